@@ -1,0 +1,1 @@
+"""Sorting objects from a conveyor belt by active perception."""

@@ -1,0 +1,19 @@
+"""Every error that beltsort raises on purpose descends from `BeltsortError`."""
+
+from beltsort._core import BeltsortError
+
+
+class CloudError(BeltsortError):
+    """A point cloud that cannot be read, or from which no descriptor can be computed."""
+
+
+class CellError(BeltsortError):
+    """A robot cell was asked for something it cannot do."""
+
+
+class DatabaseError(BeltsortError):
+    """A classifier's database cannot be built, read or used."""
+
+
+class JournalError(BeltsortError):
+    """The record of a run cannot be written or read."""

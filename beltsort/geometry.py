@@ -1,0 +1,71 @@
+"""Frames and the layout of the belt.
+
+World frame: origin on the belt surface under the belt end (position 0), x along the belt *upstream*, z up,
+metres. Camera frame: the optical one, x right, y down, z forward. A pose `world_from_camera` maps camera
+coordinates to world coordinates.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Points = NDArray[np.float64]
+"""Points, shape (..., 3), metres; NaN where a pixel has no return."""
+
+Pose = NDArray[np.float64]
+"""A rigid transform, shape (4, 4)."""
+
+
+@dataclass(frozen=True)
+class BeltLayout:
+    """Where the objects stand: `positions` places, `spacing` metres apart, the belt end first.
+
+    Attributes
+    ----------
+    positions
+        H, the number of belt positions seen at once.
+    spacing
+        Distance between neighbouring positions, metres.
+    rim_height, rim_radius
+        Height of a cup's rim above the belt and its radius, metres. What shows above the rim is the object.
+    crop_height, crop_radius
+        Upper end and radius of the upright cylinder about a position in which its object is sought, metres.
+    """
+
+    positions: int = 2
+    spacing: float = 0.18
+    rim_height: float = 0.05
+    rim_radius: float = 0.04
+    crop_height: float = 0.25
+    crop_radius: float = 0.085
+
+    def centre(self, position: int) -> Points:
+        """Return the point of the belt surface under `position`, shape (3,), world frame."""
+        return np.array([position * self.spacing, 0.0, 0.0])
+
+
+def on_sphere(azimuth: float, elevation: float, radius: float, centre: Points) -> Points:
+    """Return the point at `azimuth`, `elevation` (degrees) and `radius` (metres) about `centre`, shape (3,)."""
+    a, e = np.radians(azimuth), np.radians(elevation)
+    return centre + radius * np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+
+
+def look_at(eye: Points, target: Points) -> Pose:
+    """Return `world_from_camera` of a camera at `eye` that sees `target` in its centre, world z up in the image.
+
+    Straight up and straight down, where that "up" is undefined, the image's up is the world's x.
+    """
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    up = np.array([1.0, 0.0, 0.0]) if abs(forward[2]) > 1.0 - 1e-9 else np.array([0.0, 0.0, 1.0])
+    right = np.cross(forward, up)
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3] = np.column_stack([right, np.cross(forward, right), forward])
+    pose[:3, 3] = eye
+    return pose
+
+
+def transform(pose: Pose, points: Points) -> Points:
+    """Apply a rigid transform, shape (4, 4), to points of shape (..., 3)."""
+    return points @ pose[:3, :3].T + pose[:3, 3]
