@@ -1,0 +1,63 @@
+# `make demo` and `make test` do all the set-up they need; scripts/bootstrap says what that is.
+
+# rustup's directory, in case this shell is older than the installation.
+export PATH := $(or $(CARGO_HOME),$(HOME)/.cargo)/bin:$(PATH)
+export VIRTUAL_ENV := $(CURDIR)/.venv
+export PYO3_PYTHON := $(VIRTUAL_ENV)/bin/python
+# A conda or ROS shell must not leak its packages into ours.
+unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
+
+bin := .venv/bin
+extension := beltsort/_core.abi3.so
+rust_sources := Cargo.toml Cargo.lock $(shell find rust -type f)
+
+.PHONY: help venv build demo test test-rust lint-rust test-python lint-python types format wheel clean
+
+help:  ## this list
+	@echo 'make TARGET, with ARGS="..." for the demo and PYTHON=python3.12 to choose the interpreter of a new .venv'
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile
+
+venv: .venv/ready  ## .venv with every package, and the system libraries of Open3D
+build: $(extension)  ## the Rust extension, optimised, and beltsort importable in .venv
+
+demo: build  ## run the main job: beltsort demo $(ARGS)
+	$(bin)/beltsort demo $(ARGS)
+
+test: test-rust lint-rust test-python lint-python types  ## every test and check
+
+test-rust: venv  ## cargo test
+	cargo test
+
+lint-rust: venv  ## clippy and rustfmt
+	cargo clippy --workspace --all-targets -- -D warnings
+	cargo fmt --all --check
+
+test-python: build  ## pytest
+	$(bin)/python -m pytest
+
+lint-python: venv  ## ruff
+	$(bin)/ruff check
+	$(bin)/ruff format --check
+
+types: build  ## mypy, and the stub of the extension against the real thing
+	$(bin)/python -m mypy
+	$(bin)/python -m mypy.stubtest beltsort._core
+
+format: venv  ## format everything, and mend what ruff can mend
+	cargo fmt --all
+	$(bin)/ruff check --fix
+	$(bin)/ruff format
+
+wheel: venv  ## dist/*.whl
+	$(bin)/maturin build --out dist
+
+clean:  ## remove everything made by this file (runs/ stays)
+	rm -rf .venv target dist $(extension) .mypy_cache .pytest_cache .ruff_cache
+
+.venv/ready: pyproject.toml scripts/bootstrap
+	bash scripts/bootstrap
+	@touch $@
+
+$(extension): .venv/ready $(rust_sources)
+	$(bin)/maturin develop
+	@touch $@
