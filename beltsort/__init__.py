@@ -1,1 +1,44 @@
-"""Sorting objects from a conveyor belt by active perception."""
+"""Sorting objects from a conveyor belt by active perception.
+
+A robot looks at the last positions of a belt through an unreliable classifier; beltsort plans where to look next and
+when to decide. Follows Mezei, Tamás & Buşoniu, "Sorting objects from a conveyor belt using active perception with a
+POMDP model", ECC 2019.
+"""
+
+from beltsort._core import (
+    ArgumentError,
+    Belief,
+    BeltsortError,
+    Decide,
+    Despot,
+    Evaluation,
+    ImpossibleObservationError,
+    InformationGain,
+    ModelError,
+    Move,
+    Plan,
+    PolicyError,
+    SortingModel,
+    Threshold,
+    __version__,
+    evaluate,
+)
+
+__all__ = [
+    "ArgumentError",
+    "Belief",
+    "BeltsortError",
+    "Decide",
+    "Despot",
+    "Evaluation",
+    "ImpossibleObservationError",
+    "InformationGain",
+    "ModelError",
+    "Move",
+    "Plan",
+    "PolicyError",
+    "SortingModel",
+    "Threshold",
+    "__version__",
+    "evaluate",
+]

@@ -1,1 +1,24 @@
 //! Planning and belief arithmetic of beltsort: sorting objects from a conveyor belt by active perception.
+//!
+//! Follows "Sorting objects from a conveyor belt using active perception with a POMDP model" (Mezei, Tamás,
+//! Buşoniu, ECC 2019); equation numbers in these docs are that paper's.
+
+mod belief;
+mod bounds;
+mod despot;
+mod error;
+mod model;
+mod one_object;
+mod policy;
+mod sampling;
+mod scenario;
+mod simulate;
+mod tree;
+
+pub use belief::Belief;
+pub use despot::{Budget, Despot, DespotConfig, Plan};
+pub use error::{Error, Result};
+pub use model::{Action, ModelSpec, ScalarOrMatrix, SortingModel, Tables};
+pub use one_object::OneObjectPolicy;
+pub use policy::{BudgetedDespot, InformationGain, Policy, Threshold};
+pub use simulate::{Evaluation, EvaluationConfig, Statistics, TrueClasses, evaluate};

@@ -1,0 +1,187 @@
+//! The sorting POMDP: sets, observation tables, rewards and travel (eq. 1-6 of the paper).
+
+mod spec;
+mod validate;
+
+use nalgebra::{DMatrix, DVector};
+
+pub use spec::{ModelSpec, ScalarOrMatrix, Tables};
+pub(crate) use validate::distribution;
+
+use crate::error::{Result, argument_error};
+
+/// One planner step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Action {
+    /// `m_k`: move the camera to a viewpoint and scan.
+    Move(usize),
+    /// `d_i`: sort the object at the belt end as this class; the belt advances.
+    Decide(usize),
+}
+
+/// A checked sorting model, ready for arithmetic.
+///
+/// State: the class of the object at each of H positions and the camera's viewpoint. `o^j(z | p', c)` of the
+/// paper is [`SortingModel::table`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct SortingModel {
+    spec: ModelSpec,
+    /// Normalised tables, index `position * K + viewpoint`; rows are true classes, columns observed ones.
+    tables: Vec<DMatrix<f64>>,
+    arrival: DVector<f64>,
+    motion_cost: DMatrix<f64>,
+    travel: Vec<Vec<usize>>,
+}
+
+impl SortingModel {
+    /// Check a written-down model.
+    ///
+    /// # Errors
+    /// [`crate::Error::Model`] naming the first value that does not fit, what was expected, and the remedy.
+    pub fn new(spec: ModelSpec) -> Result<Self> {
+        validate::validate(&spec)?;
+        let (k, l) = (spec.viewpoints.len(), spec.classes.len());
+        let tables = spec.p_obs.iter().flatten().map(|rows| normalised_table(rows)).collect();
+        let arrival = match &spec.arrival {
+            Some(prior) => normalised(prior),
+            None => DVector::from_element(l, 1.0 / l as f64),
+        };
+        let motion_cost = match &spec.motion_cost {
+            ScalarOrMatrix::Scalar(cost) => DMatrix::from_element(k, k, *cost),
+            ScalarOrMatrix::Matrix(rows) => DMatrix::from_fn(k, k, |from, to| rows[from][to]),
+        };
+        let travel = match &spec.travel {
+            Some(lists) => lists.iter().map(|list| sorted(list)).collect(),
+            None => vec![(0..k).collect(); k],
+        };
+        Ok(Self { spec, tables, arrival, motion_cost, travel })
+    }
+
+    /// The model as it was written down.
+    #[must_use]
+    pub fn spec(&self) -> &ModelSpec {
+        &self.spec
+    }
+
+    /// L, the number of classes.
+    #[must_use]
+    pub fn class_count(&self) -> usize {
+        self.spec.classes.len()
+    }
+
+    /// K, the number of viewpoints.
+    #[must_use]
+    pub fn viewpoint_count(&self) -> usize {
+        self.spec.viewpoints.len()
+    }
+
+    /// H, the number of belt positions seen at once.
+    #[must_use]
+    pub fn position_count(&self) -> usize {
+        self.spec.p_obs.len()
+    }
+
+    /// Observation table of a position seen from a viewpoint: rows are true classes, columns observed ones.
+    #[must_use]
+    pub fn table(&self, position: usize, viewpoint: usize) -> &DMatrix<f64> {
+        &self.tables[position * self.viewpoint_count() + viewpoint]
+    }
+
+    /// Prior of the class of an arriving object, length L.
+    #[must_use]
+    pub fn arrival(&self) -> &DVector<f64> {
+        &self.arrival
+    }
+
+    /// Discount per planner step.
+    #[must_use]
+    pub fn discount(&self) -> f64 {
+        self.spec.discount
+    }
+
+    /// Cost of the move between two viewpoints.
+    #[must_use]
+    pub fn motion_cost(&self, from: usize, to: usize) -> f64 {
+        self.motion_cost[(from, to)]
+    }
+
+    /// The viewpoints that one move from `viewpoint` reaches, ascending.
+    #[must_use]
+    pub fn legal_moves(&self, viewpoint: usize) -> &[usize] {
+        &self.travel[viewpoint]
+    }
+
+    /// Expected reward of a decision that is right with probability `p_right`.
+    #[must_use]
+    pub fn decision_reward(&self, p_right: f64) -> f64 {
+        p_right * self.spec.r_max - (1.0 - p_right) * self.spec.r_min
+    }
+
+    /// The same model with the first `positions` belt positions only.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] unless `positions` lies between 1 and H.
+    pub fn with_positions(&self, positions: usize) -> Result<Self> {
+        if positions == 0 || positions > self.position_count() {
+            return argument_error(format!(
+                "positions = {positions}; the model has {}: keep between 1 and all of them",
+                self.position_count()
+            ));
+        }
+        let mut spec = self.spec.clone();
+        spec.p_obs.truncate(positions);
+        if let Some(counts) = &mut spec.counts {
+            counts.truncate(positions);
+        }
+        Self::new(spec)
+    }
+
+    /// Check that a viewpoint exists.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] naming the valid range.
+    pub fn check_viewpoint(&self, viewpoint: usize) -> Result<()> {
+        if viewpoint < self.viewpoint_count() {
+            return Ok(());
+        }
+        argument_error(format!(
+            "viewpoint {viewpoint} is out of range: 0 to {} ({})",
+            self.viewpoint_count() - 1,
+            self.spec.viewpoints.join(", ")
+        ))
+    }
+
+    /// Check that a label exists.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] naming the valid range.
+    pub fn check_label(&self, label: usize) -> Result<()> {
+        if label < self.class_count() {
+            return Ok(());
+        }
+        argument_error(format!(
+            "label {label} is out of range: 0 to {} ({})",
+            self.class_count() - 1,
+            self.spec.classes.join(", ")
+        ))
+    }
+}
+
+fn normalised_table(rows: &[Vec<f64>]) -> DMatrix<f64> {
+    let mut table = DMatrix::from_fn(rows.len(), rows.len(), |c, z| rows[c][z]);
+    for mut row in table.row_iter_mut() {
+        row /= row.sum();
+    }
+    table
+}
+
+fn normalised(prior: &[f64]) -> DVector<f64> {
+    let prior = DVector::from_column_slice(prior);
+    &prior / prior.sum()
+}
+
+fn sorted(list: &[usize]) -> Vec<usize> {
+    let mut list = list.to_vec();
+    list.sort_unstable();
+    list
+}

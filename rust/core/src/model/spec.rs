@@ -1,0 +1,178 @@
+//! The model as it is written down: the fields of a model file.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result, model_error};
+
+/// A number for all entries, or a matrix of one number each.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ScalarOrMatrix {
+    /// The same number everywhere.
+    Scalar(f64),
+    /// One row per first index.
+    Matrix(Vec<Vec<f64>>),
+}
+
+/// Observation tables `p_obs[position][viewpoint][true class][observed class]`.
+pub type Tables<T> = Vec<Vec<Vec<Vec<T>>>>;
+
+/// A sorting model as written down by its user; [`crate::SortingModel::new`] checks it.
+///
+/// The field names are the keys of a model file (JSON) and the arguments of the Python constructor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelSpec {
+    /// Names of the object classes, `c_1..c_L`.
+    pub classes: Vec<String>,
+    /// Names of the viewpoints, `p_1..p_K`.
+    pub viewpoints: Vec<String>,
+    /// Observation tables of shape (H, K, L, L); rows sum to 1.
+    pub p_obs: Tables<f64>,
+    /// Reward of a right decision.
+    #[serde(default = "default_r_max")]
+    pub r_max: f64,
+    /// Penalty of a wrong decision.
+    #[serde(default = "default_r_min")]
+    pub r_min: f64,
+    /// Cost of a move: a number, or a (K, K) matrix `[from][to]`.
+    #[serde(default = "default_motion_cost")]
+    pub motion_cost: ScalarOrMatrix,
+    /// Discount per planner step.
+    #[serde(default = "default_discount")]
+    pub discount: f64,
+    /// Prior of the class of an arriving object; uniform if missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrival: Option<Vec<f64>>,
+    /// `travel[k]`: the viewpoints one move from `k` reaches; all of them if missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub travel: Option<Vec<Vec<usize>>>,
+    /// Whether a scan follows a decision too.
+    #[serde(default)]
+    pub observe_after_decision: bool,
+    /// Probability that a repeated look repeats its label: a number, or (H, K).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeat: Option<ScalarOrMatrix>,
+    /// Label counts behind `p_obs`, same shape.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counts: Option<Tables<u64>>,
+    /// Dirichlet pseudo-count that was added to each entry of `counts`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smoothing: Option<f64>,
+    /// Free text.
+    #[serde(default)]
+    pub note: String,
+}
+
+const KEYS: [&str; 14] = [
+    "classes",
+    "viewpoints",
+    "p_obs",
+    "r_max",
+    "r_min",
+    "motion_cost",
+    "discount",
+    "arrival",
+    "travel",
+    "observe_after_decision",
+    "repeat",
+    "counts",
+    "smoothing",
+    "note",
+];
+
+fn default_r_max() -> f64 {
+    10.0
+}
+
+fn default_r_min() -> f64 {
+    50.0
+}
+
+fn default_motion_cost() -> ScalarOrMatrix {
+    ScalarOrMatrix::Scalar(1.0)
+}
+
+fn default_discount() -> f64 {
+    0.95
+}
+
+impl ModelSpec {
+    /// A model with the paper's rewards, the assumed discount 0.95, a uniform arrival prior and free travel.
+    #[must_use]
+    pub fn new(classes: Vec<String>, viewpoints: Vec<String>, p_obs: Tables<f64>) -> Self {
+        Self {
+            classes,
+            viewpoints,
+            p_obs,
+            r_max: default_r_max(),
+            r_min: default_r_min(),
+            motion_cost: default_motion_cost(),
+            discount: default_discount(),
+            arrival: None,
+            travel: None,
+            observe_after_decision: false,
+            repeat: None,
+            counts: None,
+            smoothing: None,
+            note: String::new(),
+        }
+    }
+
+    /// Read a model file.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if the text is not JSON, a key is unknown or missing, or a value has the wrong type.
+    pub fn from_json(text: &str) -> Result<Self> {
+        let value: serde_json::Value =
+            serde_json::from_str(text).map_err(|e| Error::Model(format!("a model file is JSON: {e}")))?;
+        let Some(fields) = value.as_object() else {
+            return model_error(
+                "a model file holds one JSON object, with the keys classes, viewpoints and p_obs at least",
+            );
+        };
+        if let Some(key) = fields.keys().find(|key| !KEYS.contains(&key.as_str())) {
+            return model_error(unknown_key(key));
+        }
+        serde_json::from_value(value).map_err(|e| Error::Model(format!("model file: {e}")))
+    }
+
+    /// The model file as text.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if a number is not finite, which JSON cannot hold.
+    pub fn to_json(&self) -> Result<String> {
+        serde_json::to_string_pretty(self)
+            .map_err(|e| Error::Model(format!("the model cannot be written as JSON: {e}")))
+    }
+
+    /// Read a model file from disk.
+    ///
+    /// # Errors
+    /// [`Error::Model`] naming the file if it cannot be read or is not a model file.
+    pub fn load(path: &Path) -> Result<Self> {
+        let in_file = |reason: String| Error::Model(format!("{}: {reason}", path.display()));
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| in_file(format!("the model file cannot be read: {e}")))?;
+        Self::from_json(&text).map_err(|e| in_file(e.to_string()))
+    }
+
+    /// Write a model file to disk.
+    ///
+    /// # Errors
+    /// [`Error::Model`] naming the file if it cannot be written.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        std::fs::write(path, self.to_json()? + "\n")
+            .map_err(|e| Error::Model(format!("{}: the model file cannot be written: {e}", path.display())))
+    }
+}
+
+fn unknown_key(key: &str) -> String {
+    let nearest =
+        KEYS.iter().max_by(|a, b| strsim::jaro(key, a).total_cmp(&strsim::jaro(key, b))).unwrap_or(&"note");
+    format!(
+        "unknown key {key:?} in the model file; did you mean {nearest:?}? Known keys: {}",
+        KEYS.join(", ")
+    )
+}

@@ -1,0 +1,95 @@
+//! The one-object problem: look at the object at the belt end until it pays to decide.
+//!
+//! Its solution is a set of conditional plans. Each plan is known exactly by two functions of the true class c:
+//! the expected discounted reward `G(c)` up to and including its decision, and the expected discount
+//! `D_s(c) = E[discount^steps; the camera ends in viewpoint group s | c]` after it. Executing a plan from belief b
+//! and continuing with value `W_s` is worth `sum_c b_c (G(c) + sum_s D_s(c) W_s)`, whatever the continuation.
+//!
+//! Viewpoints with the same moves at the same costs are one *group*: in the paper's model there is one.
+
+mod plan_set;
+mod solve;
+
+use crate::model::{Action, SortingModel};
+use plan_set::{ConditionalPlan, PlanSet};
+
+/// Plans for one object, and what executing the best of them for ever is worth.
+#[derive(Debug, Clone)]
+pub struct OneObjectPolicy {
+    /// Group of each viewpoint.
+    group_of: Vec<usize>,
+    /// Plans per group.
+    plans: Vec<PlanSet>,
+    /// Value of starting with an unseen object, per group.
+    arrival_values: Vec<f64>,
+}
+
+/// What a chosen plan is worth at one belief: its gain, and its discount into each group.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Stage {
+    pub gain: f64,
+    pub discount_to: Vec<f64>,
+}
+
+impl Stage {
+    pub(crate) fn value(&self, continuation: &[f64]) -> f64 {
+        self.gain + dot(&self.discount_to, continuation)
+    }
+}
+
+impl OneObjectPolicy {
+    /// Number of viewpoint groups.
+    pub(crate) fn group_count(&self) -> usize {
+        self.plans.len()
+    }
+
+    /// Group of a viewpoint.
+    pub(crate) fn group(&self, viewpoint: usize) -> usize {
+        self.group_of[viewpoint]
+    }
+
+    /// Value of an unseen object at the belt end and unseen ones behind it, per group.
+    pub(crate) fn arrival_values(&self) -> &[f64] {
+        &self.arrival_values
+    }
+
+    /// The best plan for one object from a group, given what follows it.
+    pub(crate) fn best(&self, group: usize, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
+        self.plans[group].best(belief, continuation)
+    }
+
+    /// The best plan's worth, split into gain and discounts.
+    pub(crate) fn stage(&self, group: usize, belief: &[f64], continuation: &[f64]) -> Stage {
+        let (plan, _) = self.best(group, belief, continuation);
+        Stage { gain: plan.gain_at(belief), discount_to: plan.discounts_at(belief).collect() }
+    }
+
+    /// Value of what follows the object at the belt end, per group: the objects behind it, each by the best plan
+    /// for what is known of it *now*. `belief` holds one distribution per position.
+    fn continuation(&self, belief: &[f64], classes: usize) -> Vec<f64> {
+        let mut worth = self.arrival_values.clone();
+        for position in belief.chunks_exact(classes).skip(1).rev() {
+            worth = (0..self.group_count()).map(|s| self.best(s, position, &worth).1).collect();
+        }
+        worth
+    }
+
+    /// Value of executing one plan per visible object, each chosen now; no less than this can be had.
+    ///
+    /// `G(b^1) + D(b^1) (G(b^2) + D(b^2) (... + D(b^H) V_1(arrival)))`: exact for that policy, because the labels
+    /// it ignores are independent of those it uses. A lower bound of V* for any H.
+    pub(crate) fn value(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> f64 {
+        let l = model.class_count();
+        self.best(self.group(viewpoint), &belief[..l], &self.continuation(belief, l)).1
+    }
+
+    /// First action of the plan that [`OneObjectPolicy::value`] executes.
+    pub(crate) fn action(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> Action {
+        let l = model.class_count();
+        self.best(self.group(viewpoint), &belief[..l], &self.continuation(belief, l)).0.action
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

@@ -1,0 +1,169 @@
+//! Policies: anything that names the next action for a belief and a viewpoint.
+
+use nalgebra::DVectorView;
+
+use crate::belief::Belief;
+use crate::despot::{Budget, Despot};
+use crate::error::{Result, argument_error};
+use crate::model::{Action, SortingModel};
+
+/// Names the next action.
+pub trait Policy: Sync {
+    /// The action to take with the camera at `viewpoint`.
+    ///
+    /// # Errors
+    /// Whatever keeps the policy from naming one; the caller passes it on.
+    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action>;
+}
+
+/// Look from one viewpoint until a class is likely enough.
+#[derive(Debug, Clone)]
+pub struct Threshold {
+    model: SortingModel,
+    confidence: f64,
+    /// First move from each viewpoint on the way to the one to look from; `None` where no move is legal.
+    next_move: Vec<Option<usize>>,
+}
+
+impl Threshold {
+    /// Decide once the belt end's most likely class has probability `threshold`; look from `viewpoint` until then
+    /// (`None`: the one that tells most about an arriving object).
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] for a threshold outside (0, 1] or an unknown viewpoint.
+    pub fn new(model: &SortingModel, threshold: f64, viewpoint: Option<usize>) -> Result<Self> {
+        check_threshold(threshold)?;
+        let target = match viewpoint {
+            Some(viewpoint) => viewpoint,
+            None => most_informative(model, &Belief::new(model), 1, 0..model.viewpoint_count()).unwrap_or(0),
+        };
+        model.check_viewpoint(target)?;
+        Ok(Self { model: model.clone(), confidence: threshold, next_move: next_moves(model, target) })
+    }
+}
+
+impl Policy for Threshold {
+    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+        belief.check_fits(&self.model)?;
+        self.model.check_viewpoint(viewpoint)?;
+        let (label, p_right) = belief.most_likely(0);
+        Ok(match self.next_move[viewpoint] {
+            Some(to) if p_right < self.confidence => Action::Move(to),
+            _ => Action::Decide(label),
+        })
+    }
+}
+
+/// Look from where most is learnt until a class is likely enough.
+#[derive(Debug, Clone)]
+pub struct InformationGain {
+    model: SortingModel,
+    confidence: f64,
+    positions: usize,
+}
+
+impl InformationGain {
+    /// Decide once the belt end's most likely class has probability `threshold`; until then take the move with the
+    /// largest expected entropy reduction, summed over the first `positions` positions.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] for a threshold outside (0, 1] or positions outside 1..=H.
+    pub fn new(model: &SortingModel, threshold: f64, positions: usize) -> Result<Self> {
+        check_threshold(threshold)?;
+        if positions == 0 || positions > model.position_count() {
+            return argument_error(format!(
+                "positions = {positions}; the model has {}: count between 1 and all of them",
+                model.position_count()
+            ));
+        }
+        Ok(Self { model: model.clone(), confidence: threshold, positions })
+    }
+}
+
+impl Policy for InformationGain {
+    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+        belief.check_fits(&self.model)?;
+        self.model.check_viewpoint(viewpoint)?;
+        let (label, p_right) = belief.most_likely(0);
+        if p_right >= self.confidence {
+            return Ok(Action::Decide(label));
+        }
+        let moves = self.model.legal_moves(viewpoint).iter().copied();
+        Ok(most_informative(&self.model, belief, self.positions, moves)
+            .map_or(Action::Decide(label), Action::Move))
+    }
+}
+
+/// A DESPOT planner with a fixed budget per step.
+#[derive(Debug, Clone)]
+pub struct BudgetedDespot {
+    /// The planner.
+    pub despot: Despot,
+    /// Its budget per planner step.
+    pub budget: Budget,
+}
+
+impl Policy for BudgetedDespot {
+    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+        Ok(self.despot.plan(belief, viewpoint, self.budget)?.action)
+    }
+}
+
+fn check_threshold(threshold: f64) -> Result<()> {
+    if threshold > 0.0 && threshold <= 1.0 {
+        return Ok(());
+    }
+    argument_error(format!(
+        "threshold = {threshold}; it is a probability above 0 and at most 1, 0.94 for example"
+    ))
+}
+
+/// The viewpoint whose scan is expected to reduce the entropy of the first positions most; the first among equals.
+fn most_informative(
+    model: &SortingModel,
+    belief: &Belief,
+    positions: usize,
+    viewpoints: impl IntoIterator<Item = usize>,
+) -> Option<usize> {
+    let gain = |v| (0..positions).map(|j| information(model, belief.position(j), j, v)).sum::<f64>();
+    viewpoints
+        .into_iter()
+        .map(|v| (v, gain(v)))
+        .fold(None, |best: Option<(usize, f64)>, next| match best {
+            Some(best) if best.1 >= next.1 => Some(best),
+            _ => Some(next),
+        })
+        .map(|(v, _)| v)
+}
+
+/// Mutual information of class and label, in nats: `sum_cz b_c P(z|c) ln(P(z|c) / P(z))`.
+fn information(model: &SortingModel, belief: DVectorView<'_, f64>, position: usize, viewpoint: usize) -> f64 {
+    let table = model.table(position, viewpoint);
+    let predicted = table.tr_mul(&belief);
+    let mut sum = 0.0;
+    for (c, b) in belief.iter().enumerate() {
+        for (z, p) in table.row(c).iter().enumerate().filter(|(_, p)| **p > 0.0 && *b > 0.0) {
+            sum += b * p * (p / predicted[z]).ln();
+        }
+    }
+    sum
+}
+
+/// The first move of a shortest path from each viewpoint to `target`; where there is none, the first legal move.
+fn next_moves(model: &SortingModel, target: usize) -> Vec<Option<usize>> {
+    let k = model.viewpoint_count();
+    let mut next: Vec<Option<usize>> = vec![None; k];
+    // At the target itself: stay and scan again, if that is legal.
+    next[target] = model.legal_moves(target).iter().copied().find(|to| *to == target);
+    let mut reached = vec![target];
+    for index in 0..k {
+        let Some(&via) = reached.get(index) else { break };
+        for (from, step) in next.iter_mut().enumerate() {
+            if from != target && step.is_none() && model.legal_moves(from).contains(&via) {
+                *step = Some(via);
+                reached.push(from);
+            }
+        }
+    }
+    (0..k).map(|from| next[from].or_else(|| model.legal_moves(from).first().copied())).collect()
+}

@@ -1,0 +1,88 @@
+//! `Move` and `Decide`.
+
+use beltsort_core::Action;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::convert::index;
+use crate::errors::PolicyError;
+
+/// `m_k`: move the camera to a viewpoint and scan.
+#[pyclass(frozen, eq, hash, get_all, module = "beltsort", from_py_object)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Move {
+    /// Index of the viewpoint.
+    viewpoint: usize,
+}
+
+#[pymethods]
+impl Move {
+    #[classattr]
+    fn __match_args__() -> (&'static str,) {
+        ("viewpoint",)
+    }
+
+    #[new]
+    fn new(viewpoint: i64) -> PyResult<Self> {
+        Ok(Self { viewpoint: index("viewpoint", viewpoint)? })
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Move(viewpoint={})", self.viewpoint)
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, [self.viewpoint])
+    }
+}
+
+/// `d_i`: sort the object at the belt end as a class; the belt advances.
+#[pyclass(frozen, eq, hash, get_all, module = "beltsort", from_py_object)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Decide {
+    /// Index of the class.
+    label: usize,
+}
+
+#[pymethods]
+impl Decide {
+    #[classattr]
+    fn __match_args__() -> (&'static str,) {
+        ("label",)
+    }
+
+    #[new]
+    fn new(label: i64) -> PyResult<Self> {
+        Ok(Self { label: index("label", label)? })
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Decide(label={})", self.label)
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, [self.label])
+    }
+}
+
+/// The Python object for an action.
+pub fn to_python(py: Python<'_>, action: Action) -> PyResult<Py<PyAny>> {
+    match action {
+        Action::Move(viewpoint) => Ok(Py::new(py, Move { viewpoint })?.into_any()),
+        Action::Decide(label) => Ok(Py::new(py, Decide { label })?.into_any()),
+    }
+}
+
+/// The action behind a Python object.
+pub fn from_python(object: &Bound<'_, PyAny>) -> PyResult<Action> {
+    if let Ok(Move { viewpoint }) = object.extract() {
+        return Ok(Action::Move(viewpoint));
+    }
+    if let Ok(Decide { label }) = object.extract() {
+        return Ok(Action::Decide(label));
+    }
+    Err(PolicyError::new_err(format!(
+        "a policy returned {}; return beltsort.Move(viewpoint) or beltsort.Decide(label)",
+        object.repr()?
+    )))
+}
