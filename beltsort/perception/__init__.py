@@ -1,0 +1,21 @@
+"""From depth scans to class labels: candidates, viewpoint feature histograms, nearest neighbours."""
+
+from beltsort.perception.classifier import Match, NearestNeighbour
+from beltsort.perception.clouds import read_cloud
+from beltsort.perception.config import PerceptionConfig
+from beltsort.perception.pipeline import Perceived, Perception, describe
+from beltsort.perception.segment import Segmented, segment
+from beltsort.perception.vfh import vfh
+
+__all__ = [
+    "Match",
+    "NearestNeighbour",
+    "Perceived",
+    "Perception",
+    "PerceptionConfig",
+    "Segmented",
+    "describe",
+    "read_cloud",
+    "segment",
+    "vfh",
+]

@@ -1,0 +1,183 @@
+"""The viewpoint feature histogram."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from beltsort.errors import CloudError
+from beltsort.geometry import Points
+
+ANGLE_BINS = 45
+VIEWPOINT_BINS = 128
+SIZE_BINS_PER_METRE = 100.0
+FEWEST_POINTS = 3
+LENGTH = 4 * ANGLE_BINS + VIEWPOINT_BINS
+
+Histogram = NDArray[np.float64]
+
+
+def vfh(
+    points: ArrayLike,
+    normals: ArrayLike,
+    *,
+    viewpoint: ArrayLike = (0, 0, 0),
+    size_component: bool = True,
+    normalize_distance: bool = False,
+    raw_counts: bool = False,
+    pcl_compatible: bool = False,
+) -> Histogram:
+    r"""Return the viewpoint feature histogram of one cloud, shape (308,).
+
+    With the centroid :math:`c`, the mean normal :math:`\bar n`, and for each point :math:`p_i` with normal
+    :math:`n_i`, :math:`d = p_i - c`: :math:`u` is whichever of :math:`\bar n` and :math:`n_i` lies nearer to
+    the line along :math:`d`, :math:`m` is the other (:math:`d` points to its side), and
+    :math:`v = d \times u / |d \times u|`, :math:`w = u \times v`.
+
+    ======== =================================================== ====================
+    bins     feature                                             range
+    ======== =================================================== ====================
+    0-44     :math:`\theta = \arctan(w \cdot m, u \cdot m)`      :math:`[-\pi, \pi]`
+    45-89    :math:`\cos\alpha = v \cdot m`                      :math:`[-\pi, \pi]`
+    90-134   :math:`\cos\phi = u \cdot d / |d|`                  :math:`[-\pi, \pi]`
+    135-179  :math:`|d|` (zero without the size component)       centimetres
+    180-307  :math:`n_i \cdot (viewpoint - c) / |viewpoint - c|` :math:`[-1, 1]`
+    ======== =================================================== ====================
+
+    A point without such a frame (at the centroid, or :math:`d` parallel to :math:`u`) counts in the last
+    block only. A rigid motion of points, normals and viewpoint together changes nothing, so descriptors from
+    different places are comparable.
+
+    Parameters
+    ----------
+    points
+        Shape (n, 3), metres, finite, at least three.
+    normals
+        Unit normals, shape (n, 3).
+    viewpoint
+        Position of the camera in the frame of the points, shape (3,), metres.
+    size_component
+        Fill bins 135-179.
+    normalize_distance
+        Divide the distances of bins 135-179 by the largest, so that only their ratios count.
+    raw_counts
+        Count points instead of percent.
+    pcl_compatible
+        Reproduce PCL 1.13, whose viewpoint block and normalised distances depend on the unit of length (the
+        homogeneous 1 of the centroid enters both norms).
+
+    Raises
+    ------
+    CloudError
+        If the shapes do not fit, a value is not finite, there are fewer than three points, or the viewpoint
+        is the centroid.
+
+    References
+    ----------
+    R. B. Rusu, G. Bradski, R. Thibaux, J. Hsu, "Fast 3D recognition and pose using the viewpoint feature
+    histogram", IROS 2010, section III.
+
+    Examples
+    --------
+    A flat square, seen from above: all normals point at the camera.
+
+    >>> import numpy as np
+    >>> square = np.array([[x, y, 0.0] for x in (0.0, 0.1, 0.2) for y in (0.0, 0.1, 0.2)])
+    >>> histogram = vfh(square, np.tile([0.0, 0.0, 1.0], (9, 1)), viewpoint=(0.1, 0.1, 1.0))
+    >>> float(histogram[307]), float(histogram[180:].sum())
+    (100.0, 100.0)
+    """
+    p, n, eye = _checked(points, normals, viewpoint)
+    centroid = p.mean(axis=0)
+    offset = p - centroid
+    distance = _norm(offset)
+    pairs = _pair_features(offset, distance, n)
+    blocks = [_angle_block(feature) for feature in pairs.T]
+    leak = 1.0 if pcl_compatible else 0.0
+    if size_component:
+        has_pair = ~np.isnan(pairs[:, 0])
+        blocks.append(_size_block(distance[has_pair], distance.max(), normalize_distance, leak))
+    else:
+        blocks.append(np.zeros(ANGLE_BINS))
+    per_pair, per_point = (1.0, 1.0) if raw_counts else (100.0 / (len(p) - 1), 100.0 / len(p))
+    shape = per_pair * np.concatenate(blocks)
+    return np.concatenate([shape, per_point * _viewpoint_block(n, eye - centroid, leak)])
+
+
+def _pair_features(offset: Points, distance: NDArray[np.float64], normals: Points) -> NDArray[np.float64]:
+    """Return theta, cos(alpha), cos(phi) with the centroid, shape (n, 3); NaN where undefined."""
+    mean = np.broadcast_to(normals.mean(axis=0), normals.shape)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        direction = offset / distance[:, None]
+        cos_mean = _dot(direction, mean)
+        cos_own = _dot(direction, normals)
+        swap = np.abs(cos_mean) < np.abs(cos_own)
+        u = np.where(swap[:, None], normals, mean)
+        other = np.where(swap[:, None], mean, normals)
+        cos_phi = np.where(swap, -cos_own, cos_mean)
+        v = _cross(np.where(swap[:, None], -offset, offset), u)
+        v /= _norm(v)[:, None]
+    theta = np.arctan2(_dot(_cross(u, v), other), _dot(u, other))
+    features: NDArray[np.float64] = np.stack([theta, _dot(v, other), cos_phi], axis=1)
+    features[np.isnan(features).any(axis=1)] = np.nan
+    return features
+
+
+def _angle_block(feature: NDArray[np.float64]) -> Histogram:
+    defined = feature[~np.isnan(feature)]
+    return _histogram(ANGLE_BINS * (defined + np.pi) / (2.0 * np.pi), ANGLE_BINS)
+
+
+def _size_block(distance: NDArray[np.float64], largest: float, normalize: bool, leak: float) -> Histogram:
+    if normalize:
+        return _histogram(ANGLE_BINS * distance / np.sqrt(largest**2 + leak), ANGLE_BINS)
+    return _histogram(SIZE_BINS_PER_METRE * distance + 0.5, ANGLE_BINS)
+
+
+def _viewpoint_block(normals: Points, towards_eye: Points, leak: float) -> Histogram:
+    length = np.sqrt(towards_eye @ towards_eye + leak)
+    if length == 0.0:
+        raise CloudError(
+            "the viewpoint is the centroid of the cloud, so no viewing direction exists: "
+            "give the camera's position in the frame of the points"
+        )
+    return _histogram(VIEWPOINT_BINS * (normals @ (towards_eye / length) + 1.0) / 2.0, VIEWPOINT_BINS)
+
+
+def _histogram(scaled: NDArray[np.float64], bins: int) -> Histogram:
+    index = np.clip(np.floor(scaled), 0, bins - 1).astype(np.intp)
+    counts: Histogram = np.bincount(index, minlength=bins).astype(np.float64)
+    return counts
+
+
+def _checked(points: ArrayLike, normals: ArrayLike, viewpoint: ArrayLike) -> tuple[Points, Points, Points]:
+    p, n, eye = (np.asarray(a, dtype=np.float64) for a in (points, normals, viewpoint))
+    if p.ndim != 2 or p.shape[1] != 3 or n.shape != p.shape or eye.shape != (3,):
+        raise CloudError(
+            f"points, normals and viewpoint have shapes {p.shape}, {n.shape} and {eye.shape}, "
+            "expected (n, 3), (n, 3) and (3,): give one unit normal for each point"
+        )
+    if len(p) < FEWEST_POINTS:
+        raise CloudError(
+            f"the cloud has {len(p)} points, VFH needs at least {FEWEST_POINTS}: skip it or scan from closer"
+        )
+    for name, values in (("points", p), ("normals", n), ("viewpoint", eye)):
+        if not np.isfinite(values).all():
+            bad = int((~np.isfinite(values)).sum())
+            raise CloudError(
+                f"{name} hold {bad} values that are NaN or infinite, expected finite ones: "
+                "drop those points (points[np.isfinite(points).all(axis=-1)])"
+            )
+    return p, n, eye
+
+
+def _dot(a: Points, b: Points) -> NDArray[np.float64]:
+    products: NDArray[np.float64] = np.einsum("ij,ij->i", a, b)
+    return products
+
+
+def _norm(a: Points) -> NDArray[np.float64]:
+    length: NDArray[np.float64] = np.sqrt(_dot(a, a))
+    return length
+
+
+def _cross(a: Points, b: Points) -> Points:
+    return a[:, [1, 2, 0]] * b[:, [2, 0, 1]] - a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
