@@ -1,7 +1,7 @@
 """What a robot cell is: an arm that carries a depth camera, a belt, and a sorter.
 
-Every call blocks until the act is done. A command carries an id, unique in a run; repeating a command with the
-same id acts only once. Belt targets are absolute: "object n at the belt end", never "one step further".
+Every call blocks until the act is done. A command carries an id, unique in a run; repeating a command with
+the same id acts only once. Belt targets are absolute: "object n at the belt end", never "one step further".
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ class Scan:
     Attributes
     ----------
     points
-        Points in the *camera* frame, metres: (height, width, 3) for an organised depth image, NaN where a pixel
-        has no return, or (n, 3).
+        Points in the *camera* frame, metres: (height, width, 3) for an organised depth image, NaN where a
+        pixel has no return, or (n, 3).
     world_from_camera
         The camera's pose as the arm reports it, shape (4, 4).
     stamp

@@ -1,0 +1,172 @@
+"""The simulated cell: the same Protocols as real hardware, on a simulated clock."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from beltsort.cell.protocols import Scan
+from beltsort.cell.simulated.config import CellConfig
+from beltsort.cell.simulated.noise import noisy_depth
+from beltsort.cell.simulated.randomness import generator
+from beltsort.cell.simulated.world import World
+from beltsort.errors import CellError
+from beltsort.geometry import BeltLayout, Points, Pose
+
+SCAN_STREAM = 1  # keeps the draws of scans apart from those of objects
+
+
+class SimulatedCell:
+    """A belt of bulbs in cups, a structured-light camera on an arm, and bins.
+
+    Object n of the run is of class `true_labels[n]`. Its size and pose are a function of (`seed`, n) and stay
+    until it is sorted; the errors of a scan are a function of (`seed`, object at the belt end, scans since it
+    arrived). So neither depends on what was done before, and policies that are compared see the same objects
+    and noise.
+
+    Parameters
+    ----------
+    true_labels
+        Class index of each object of the run; None is an empty cup. Behind the last object all cups are
+        empty.
+    config
+        What the cell is set to.
+    seed
+        Not negative.
+
+    Attributes
+    ----------
+    bins
+        What has been sorted: (object number, label), in order.
+    clock
+        Seconds of simulated time.
+
+    Examples
+    --------
+    >>> cell = SimulatedCell([3, 0, None, 2], seed=1)
+    >>> scan = cell.scan(not_before=cell.move_to(1, "move-0"))
+    >>> scan.points.shape
+    (480, 640, 3)
+    >>> cell.sort(3, "sort-0")
+    >>> cell.bins
+    [(0, 3)]
+    """
+
+    def __init__(
+        self, true_labels: Sequence[int | None], config: CellConfig | None = None, seed: int = 0
+    ) -> None:
+        self._config = CellConfig() if config is None else config
+        self._world = World(true_labels, self._config, seed)
+        self._seed = seed
+        self._done: dict[str, tuple[tuple[str, int], float]] = {}
+        self._viewpoint, self._looks = 0, 0
+        self.clock = 0.0
+        self.bins: list[tuple[int, int]] = []
+
+    @property
+    def config(self) -> CellConfig:
+        """What the cell is set to."""
+        return self._config
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """Names of the object classes, one bin each."""
+        return self._config.classes
+
+    @property
+    def viewpoints(self) -> tuple[str, ...]:
+        """Names of the viewpoints."""
+        return tuple(v.name for v in self._config.viewpoints)
+
+    @property
+    def layout(self) -> BeltLayout:
+        """The belt's geometry."""
+        return self._config.layout
+
+    @property
+    def reject_bin(self) -> int | None:
+        """The bin for undecided objects, or None if the cell has none."""
+        return self._config.reject_bin
+
+    def move_to(self, viewpoint: int, command_id: str) -> float:
+        """Bring the camera to `viewpoint`; return the time of its stop, seconds on the cell's clock."""
+        if not 0 <= viewpoint < len(self.viewpoints):
+            raise CellError(
+                f"viewpoint is {viewpoint}, expected an index from 0 to {len(self.viewpoints) - 1} "
+                f"({', '.join(self.viewpoints)})"
+            )
+
+        def move() -> None:
+            self._viewpoint = viewpoint
+            self.clock += self._config.move_seconds
+
+        return self._once(("move_to", viewpoint), command_id, move)
+
+    def scan(self, *, not_before: float) -> Scan:
+        """Return a scan whose exposure began at or after `not_before` (seconds on the cell's clock)."""
+        if not np.isfinite(not_before):
+            raise CellError(f"not_before is {not_before}, expected a time on the cell's clock; give a number")
+        self.clock = max(self.clock, not_before)
+        stamp = self.clock
+        rng = generator(self._seed, SCAN_STREAM, self._world.first, self._looks)
+        self._looks += 1
+        self.clock += self._config.scan_seconds
+        reported = self._config.viewpoints[self._viewpoint].pose()
+        points = self._measured(self._config.arm.true_pose(reported, rng), rng)
+        return Scan(points=points, world_from_camera=reported, stamp=stamp)
+
+    def _measured(self, world_from_camera: Pose, rng: np.random.Generator) -> Points:
+        """Return the organised points of one scan, camera frame, shape (height, width, 3)."""
+        camera = self._config.camera
+        view = self._world.scene().view(world_from_camera)
+        depth = noisy_depth(view, self._config.noise, camera, rng)
+        height, width = depth.shape
+        points = np.full((camera.height, camera.width, 3), np.nan)
+        window = points[view.top : view.top + height, view.left : view.left + width]
+        window[...] = camera.deproject(depth, view.top, view.left)
+        return points
+
+    def sort(self, label: int, command_id: str) -> None:
+        """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`.
+
+        From an empty cup nothing reaches a bin.
+        """
+        if not 0 <= label < len(self.classes) and label != self.reject_bin:
+            raise CellError(
+                f"label is {label}, expected a bin from 0 to {len(self.classes) - 1} "
+                f"({', '.join(self.classes)}) or the reject bin ({self.reject_bin})"
+            )
+
+        def sort() -> None:
+            number = self._world.first
+            if self._world.take():
+                self.bins.append((number, label))
+            self.clock += self._config.sort_seconds
+
+        self._once(("sort", label), command_id, sort)
+
+    def advance_to(self, index: int, command_id: str) -> None:
+        """Bring object number `index` of the run to the belt end; objects that pass it unsorted fall off.
+
+        The index just behind the last object leaves only empty cups.
+        """
+
+        def advance() -> None:
+            steps = self._world.advance_to(index)
+            if steps > 0:
+                self._looks = 0
+            self.clock += self._config.advance_seconds * steps
+
+        self._once(("advance_to", index), command_id, advance)
+
+    def _once(self, command: tuple[str, int], command_id: str, act: Callable[[], None]) -> float:
+        """Carry out a command unless its id was carried out before; return the time it was done."""
+        if command_id not in self._done:
+            act()
+            self._done[command_id] = (command, self.clock)
+        earlier, time = self._done[command_id]
+        if earlier != command:
+            raise CellError(
+                f"command id {command_id!r} belongs to {earlier[0]}({earlier[1]}), expected the same command "
+                f"again, got {command[0]}({command[1]}); give every command its own id"
+            )
+        return time

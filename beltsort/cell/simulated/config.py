@@ -1,0 +1,164 @@
+"""What the simulated cell is set to. Every field is plain data: `dataclasses.asdict` of it is JSON."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from beltsort.cell.simulated.bulbs import CLASSES
+from beltsort.cell.simulated.rotations import rotation
+from beltsort.cell.simulated.sensor import Camera, SensorNoise
+from beltsort.errors import CellError
+from beltsort.geometry import BeltLayout, Pose, look_at, on_sphere
+
+
+@dataclass(frozen=True)
+class SphereViewpoint:
+    """A viewpoint of the half-sphere about the belt end.
+
+    Attributes
+    ----------
+    azimuth, elevation
+        Degrees; azimuth 0 looks from upstream, 180 from beyond the belt end, elevation 90 from straight
+        above.
+    radius
+        Distance of the camera from the belt end, metres.
+    """
+
+    name: str
+    azimuth: float
+    elevation: float
+    radius: float = 0.7
+
+    def pose(self) -> Pose:
+        """Return `world_from_camera` of a camera that stands there and sees the belt end in its centre."""
+        belt_end = np.zeros(3)
+        return look_at(on_sphere(self.azimuth, self.elevation, self.radius, belt_end), belt_end)
+
+
+@dataclass(frozen=True)
+class Cup:
+    """A conical cup; the height and radius of its rim are the belt layout's.
+
+    Attributes
+    ----------
+    floor_radius
+        Inner radius at its floor, metres.
+    floor_height
+        Height of its inner floor above the belt, metres.
+    wall
+        Thickness of its wall, metres.
+    """
+
+    floor_radius: float = 0.022
+    floor_height: float = 0.003
+    wall: float = 0.003
+
+
+@dataclass(frozen=True)
+class PoseMix:
+    """How objects come to lie in their cups, drawn once per object.
+
+    Attributes
+    ----------
+    upright, leaning, lying
+        Relative frequencies.
+    upright_tilt, leaning_tilt, lying_tilt
+        Range of the angle between the object's axis and the vertical, degrees; beyond 90 the cap points up.
+    """
+
+    upright: float = 0.3
+    leaning: float = 0.4
+    lying: float = 0.3
+    upright_tilt: tuple[float, float] = (0.0, 10.0)
+    leaning_tilt: tuple[float, float] = (10.0, 45.0)
+    lying_tilt: tuple[float, float] = (60.0, 110.0)
+
+
+@dataclass(frozen=True)
+class ArmErrors:
+    """Repeatability of the arm: standard deviations, per axis, of the camera's true pose about the reported.
+
+    The error is drawn anew for each scan. The defaults are those of a low-cost compliant arm; an industrial
+    arm has 0.0001 m and 0.01 degrees.
+
+    Attributes
+    ----------
+    position
+        Metres.
+    angle
+        Degrees.
+    """
+
+    position: float = 0.003
+    angle: float = 0.4
+
+    def true_pose(self, reported: Pose, rng: np.random.Generator) -> Pose:
+        """Draw where the camera really is when the arm reports `world_from_camera`, shape (4, 4)."""
+        error = np.eye(4)
+        error[:3, :3] = rotation(rng.normal(0.0, np.radians(self.angle), 3))
+        error[:3, 3] = rng.normal(0.0, self.position, 3)
+        return reported @ error
+
+
+@dataclass(frozen=True)
+class CellConfig:
+    """Everything the simulated cell is set to.
+
+    Attributes
+    ----------
+    classes
+        Names of the object classes, one bin each.
+    meshes
+        Mesh files, by class name, that replace the built-in shape; a class that is no built-in shape needs
+        one.
+    size_spread
+        Standard deviation of the logarithm of an object's length and, independently, of its diameter.
+    belt_width
+        Metres.
+    upstream
+        Number of cups beyond the last visible position that the camera sees too.
+    reject_bin
+        Label under which `sort` accepts undecided objects, or None.
+    move_seconds, scan_seconds, sort_seconds, advance_seconds
+        Duration of each act on the simulated clock.
+    """
+
+    classes: tuple[str, ...] = CLASSES
+    viewpoints: tuple[SphereViewpoint, ...] = (
+        SphereViewpoint("p1", azimuth=90.0, elevation=25.0),
+        SphereViewpoint("p2", azimuth=180.0, elevation=45.0),
+        SphereViewpoint("p3", azimuth=-120.0, elevation=70.0),
+    )
+    layout: BeltLayout = field(default_factory=BeltLayout)
+    cup: Cup = field(default_factory=Cup)
+    poses: PoseMix = field(default_factory=PoseMix)
+    camera: Camera = field(default_factory=Camera)
+    noise: SensorNoise = field(default_factory=SensorNoise)
+    arm: ArmErrors = field(default_factory=ArmErrors)
+    meshes: Mapping[str, str] = field(default_factory=dict)
+    size_spread: float = 0.05
+    belt_width: float = 0.2
+    upstream: int = 1
+    reject_bin: int | None = None
+    move_seconds: float = 2.0
+    scan_seconds: float = 0.1
+    sort_seconds: float = 3.0
+    advance_seconds: float = 1.5
+
+    def __post_init__(self) -> None:
+        """Refuse names that collide and bins that are already a class's."""
+        names = [v.name for v in self.viewpoints]
+        for what, given in (("class", list(self.classes)), ("viewpoint", names)):
+            if not given or len(set(given)) < len(given):
+                raise CellError(f"{what} names are {given}, expected at least one, none twice; rename them")
+        unknown = set(self.meshes) - set(self.classes)
+        if unknown:
+            raise CellError(
+                f"mesh files for {sorted(unknown)}, which are no classes; choose from {list(self.classes)}"
+            )
+        if self.reject_bin is not None and self.reject_bin < len(self.classes):
+            raise CellError(
+                f"reject_bin is {self.reject_bin}, a class's bin or none; expected None or at least "
+                f"{len(self.classes)}, the number of classes"
+            )
