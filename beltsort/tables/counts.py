@@ -1,0 +1,161 @@
+"""Counts of labels, and the observation table that they support."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import beltsort
+
+Integers = NDArray[np.int64]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Look:
+    """What one or two scans of one object said.
+
+    Attributes
+    ----------
+    position, viewpoint, true
+        Where the object stood, where the camera stood, the object's class: indices.
+    observed
+        The first scan's label, or None: the object was not found or not labelled.
+    again
+        The label of a second scan that differs in nothing but sensor noise and arm repeatability; None if
+        there was no second scan or it gave no label.
+    """
+
+    position: int
+    viewpoint: int
+    true: int
+    observed: int | None
+    again: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Counts:
+    """How often each label was seen in each table row, every count an independent object.
+
+    H positions, K viewpoints, L classes.
+
+    Attributes
+    ----------
+    counts
+        Objects by position, viewpoint, true and observed class, shape (H, K, L, L).
+    missed
+        Objects that got no label, by position, viewpoint and true class, shape (H, K, L); no part of
+        `counts`.
+    agree, pairs
+        Objects scanned twice with the same label, and objects labelled twice, shape (H, K).
+    """
+
+    counts: Integers
+    missed: Integers
+    agree: Integers
+    pairs: Integers
+
+    def probabilities(self, smoothing: float) -> Array:
+        """Return the posterior mean of the observation table, shape (H, K, L, L); rows sum to 1.
+
+        Parameters
+        ----------
+        smoothing
+            Pseudo-counts added to every entry: the parameter of a symmetric Dirichlet prior. Positive, since
+            a zero in the table makes a belief irrevocable; 1 is a uniform prior. Too large pulls all rows
+            towards uniform.
+        """
+        if not smoothing > 0.0:
+            raise beltsort.ArgumentError(
+                f"smoothing is {smoothing}, expected a positive number: zeros in a table make beliefs "
+                "irrevocable; 1 is a uniform prior"
+            )
+        smoothed = self.counts + smoothing
+        probabilities: Array = smoothed / smoothed.sum(axis=-1, keepdims=True)
+        return probabilities
+
+    def accuracy(self) -> Array:
+        """Return the share of right labels among the labels, mean over true classes, shape (H, K).
+
+        NaN where a class was never labelled.
+        """
+        with np.errstate(invalid="ignore"):
+            right: Array = np.diagonal(self.counts, axis1=-2, axis2=-1) / self.counts.sum(axis=-1)
+        accuracy: Array = right.mean(axis=-1)
+        return accuracy
+
+    def agreement(self) -> tuple[Array, Array]:
+        """Return how often two scans of one object agree, and the standard error, shape (H, K) each."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            rate = self.agree / self.pairs
+            return rate, np.sqrt(rate * (1.0 - rate) / self.pairs)
+
+    def chance_agreement(self) -> Array:
+        """Return how often two scans of *different* objects of one class agree, shape (H, K).
+
+        That is the agreement of repeated looks if they were independent, as the paper's model has it. The
+        estimate sum n (n - 1) / (N (N - 1)) of each row is unbiased; NaN where a class has fewer than two.
+        """
+        total = self.counts.sum(axis=-1)
+        with np.errstate(invalid="ignore"):
+            rows: Array = (self.counts * (self.counts - 1)).sum(axis=-1) / (total * (total - 1))
+        agreement: Array = rows.mean(axis=-1)
+        return agreement
+
+    def repeat(self) -> Array:
+        """Return the share of repeated looks that only return the earlier label, shape (H, K), in [0, 1].
+
+        It solves agreement = repeat + (1 - repeat) * chance agreement: the model's `repeat`.
+        """
+        chance = self.chance_agreement()
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.clip((self.agreement()[0] - chance) / (1.0 - chance), 0.0, 1.0)
+
+    def model(
+        self, classes: Sequence[str], viewpoints: Sequence[str], *, smoothing: float = 1.0, **settings: Any
+    ) -> "beltsort.SortingModel":
+        """Build a model from the smoothed table; it keeps the counts.
+
+        Parameters
+        ----------
+        classes, viewpoints
+            Names.
+        smoothing
+            See `probabilities`.
+        **settings
+            Further arguments of `beltsort.SortingModel`: rewards, discount, travel, repeat.
+        """
+        return beltsort.SortingModel(
+            classes,
+            viewpoints,
+            self.probabilities(smoothing),
+            counts=self.counts,
+            smoothing=smoothing,
+            **settings,
+        )
+
+
+def count(looks: Iterable[Look], positions: int, viewpoints: int, classes: int) -> Counts:
+    """Count looks at independent objects.
+
+    Parameters
+    ----------
+    looks
+        One for each object: two looks at one object in one row would not be independent.
+    positions, viewpoints, classes
+        H, K, L.
+    """
+    counts = np.zeros((positions, viewpoints, classes, classes), dtype=np.int64)
+    missed = np.zeros((positions, viewpoints, classes), dtype=np.int64)
+    agree, pairs = np.zeros((2, positions, viewpoints), dtype=np.int64)
+    for look in looks:
+        if look.observed is None:
+            missed[look.position, look.viewpoint, look.true] += 1
+            continue
+        counts[look.position, look.viewpoint, look.true, look.observed] += 1
+        if look.again is not None:
+            pairs[look.position, look.viewpoint] += 1
+            agree[look.position, look.viewpoint] += look.again == look.observed
+    return Counts(counts, missed, agree, pairs)

@@ -1,0 +1,86 @@
+"""Observation tables as text, laid out as in the paper's Tables I and II.
+
+References
+----------
+A. Mezei, L. Tamas, L. Busoniu, "Sorting objects from a conveyor belt using active perception with a POMDP
+model", European Control Conference 2019.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beltsort.tables.counts import Counts
+
+Array = NDArray[np.float64]
+
+
+def table_one(p_obs: Array, classes: Sequence[str], viewpoints: Sequence[str], true: int) -> str:
+    """Return the paper's Table I for one true class at the belt end: a row for each viewpoint.
+
+    Parameters
+    ----------
+    p_obs
+        Observation table, shape (H, K, L, L).
+    classes, viewpoints
+        Names.
+    true
+        Index of the true class.
+    """
+    title = f"p(observed | true = {classes[true]}), position 1"
+    rows = [[name, *_numbers(row)] for name, row in zip(viewpoints, p_obs[0, :, true], strict=True)]
+    return _text(title, ["", *classes], rows)
+
+
+def table_two(
+    p_obs: Array, classes: Sequence[str], viewpoints: Sequence[str], trues: Sequence[int] | None = None
+) -> str:
+    """Return the paper's Table II: all positions, the given true classes (default: all), all viewpoints.
+
+    Parameters
+    ----------
+    p_obs
+        Observation table, shape (H, K, L, L).
+    classes, viewpoints
+        Names.
+    trues
+        Indices of the true classes.
+    """
+    positions = range(len(p_obs))
+    header = ["true", "view", *(f"{name} @{j + 1}" for j in positions for name in classes)]
+    rows = [
+        [classes[true], name, *(cell for j in positions for cell in _numbers(p_obs[j, k, true]))]
+        for true in (range(len(classes)) if trues is None else trues)
+        for k, name in enumerate(viewpoints)
+    ]
+    return _text("p(observed | true), observed class @ position", header, rows)
+
+
+def agreement_text(counts: Counts, viewpoints: Sequence[str]) -> str:
+    """Return accuracy, agreement of two scans of one object, and missed objects, by table row."""
+    rate, error = counts.agreement()
+    accuracy, chance, repeat = counts.accuracy(), counts.chance_agreement(), counts.repeat()
+    missed = counts.missed.sum(axis=-1)
+    rows = [
+        [
+            str(j + 1), name, f"{accuracy[j, k]:.3f}", f"{rate[j, k]:.3f} +- {error[j, k]:.3f}",
+            f"{chance[j, k]:.3f}", f"{repeat[j, k]:.3f}", str(missed[j, k]),
+        ]
+        for j in range(len(rate))
+        for k, name in enumerate(viewpoints)
+    ]  # fmt: skip
+    header = ["position", "view", "accuracy", "two scans agree", "two objects agree", "repeat", "missed"]
+    return _text("two scans of one object from one viewpoint", header, rows)
+
+
+def _numbers(row: Array) -> list[str]:
+    return [f"{p:.3f}" for p in row]
+
+
+def _text(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    widths = [max(len(line[column]) for line in [header, *rows]) for column in range(len(header))]
+    lines = [
+        "  ".join(cell.rjust(w) for cell, w in zip(line, widths, strict=True)) for line in [header, *rows]
+    ]
+    return "\n".join([title, *(line.rstrip() for line in lines)])

@@ -1,0 +1,142 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import beltsort
+from beltsort.cell.simulated import CellConfig
+from beltsort.tables import (
+    Counts,
+    Look,
+    agreement_text,
+    collect_counts,
+    collect_training,
+    count,
+    table_one,
+    table_two,
+)
+
+CLASSES, VIEWPOINTS = ("lamp", "tube"), ("low", "high")
+
+
+def independent(objects: int, p: float, seed: int = 0) -> Counts:
+    """Count two independent labels of each object, right with probability `p`."""
+    rng = np.random.default_rng(seed)
+
+    def label(true: int) -> int:
+        return true if rng.random() < p else 1 - true
+
+    looks = [
+        Look(j, k, true, label(true), label(true))
+        for j in range(2)
+        for k in range(2)
+        for true in range(2)
+        for _ in range(objects)
+    ]
+    return count(looks, 2, 2, 2)
+
+
+def test_every_object_is_counted_once_in_its_row() -> None:
+    looks = [
+        Look(0, 1, 0, 1, 0),
+        Look(0, 1, 0, 0, 0),
+        Look(1, 0, 1, 1),
+        Look(1, 0, 1, None, 1),
+        Look(0, 1, 0, 1, None),
+    ]
+    counts = count(looks, 2, 2, 2)
+    assert counts.counts.sum() == 4
+    np.testing.assert_array_equal(counts.counts[0, 1, 0], [1, 2])
+    np.testing.assert_array_equal(counts.counts[1, 0, 1], [0, 1])
+    assert counts.missed.sum() == counts.missed[1, 0, 1] == 1
+    assert counts.pairs.sum() == counts.pairs[0, 1] == 2
+    assert counts.agree.sum() == 1
+
+
+def test_smoothing_is_the_posterior_mean_of_a_dirichlet() -> None:
+    counts = count([Look(0, 0, 0, 0)] * 3 + [Look(0, 0, 0, 1)], 1, 1, 2)
+    np.testing.assert_allclose(counts.probabilities(1.0)[0, 0], [[4 / 6, 2 / 6], [1 / 2, 1 / 2]])
+    np.testing.assert_allclose(counts.probabilities(0.5)[0, 0, 0], [3.5 / 5, 1.5 / 5])
+
+
+def test_smoothed_rows_sum_to_one_and_have_no_zeros() -> None:
+    p_obs = independent(5, 1.0).probabilities(0.1)
+    np.testing.assert_allclose(p_obs.sum(axis=-1), 1.0)
+    assert p_obs.min() > 0.0
+
+
+@pytest.mark.parametrize("smoothing", [0.0, -1.0, float("nan")])
+def test_smoothing_must_be_positive(smoothing: float) -> None:
+    with pytest.raises(beltsort.ArgumentError, match="expected a positive number"):
+        independent(1, 0.5).probabilities(smoothing)
+
+
+def test_independent_looks_need_no_repeat_and_identical_ones_are_all_repeat() -> None:
+    counts = independent(4000, 0.7)
+    np.testing.assert_allclose(counts.accuracy(), 0.7, atol=0.03)
+    rate, error = counts.agreement()
+    np.testing.assert_allclose(rate, 0.7**2 + 0.3**2, atol=0.03)
+    np.testing.assert_allclose(error, np.sqrt(0.58 * 0.42 / 8000), rtol=0.02)
+    np.testing.assert_allclose(counts.chance_agreement(), 0.58, atol=0.03)
+    assert counts.repeat().max() < 0.1
+    np.testing.assert_allclose(replace(counts, agree=counts.pairs).repeat(), 1.0)
+
+
+def test_chance_agreement_is_unbiased_with_few_objects() -> None:
+    means = [independent(3, 0.7, seed).chance_agreement().mean() for seed in range(400)]
+    assert np.mean(means) == pytest.approx(0.58, abs=0.02)
+
+
+def test_table_one_has_a_row_for_each_viewpoint() -> None:
+    p_obs = independent(5, 1.0).probabilities(1.0)
+    lines = table_one(p_obs, CLASSES, VIEWPOINTS, true=1).splitlines()
+    assert lines[0] == "p(observed | true = tube), position 1"
+    assert lines[1].split() == ["lamp", "tube"]
+    assert lines[2].split() == ["low", "0.143", "0.857"]
+    assert len(lines) == 4
+
+
+def test_table_two_has_all_positions_side_by_side() -> None:
+    p_obs = independent(5, 1.0).probabilities(1.0)
+    lines = table_two(p_obs, CLASSES, VIEWPOINTS, trues=[0]).splitlines()
+    assert lines[1].split() == ["true", "view", "lamp", "@1", "tube", "@1", "lamp", "@2", "tube", "@2"]
+    assert lines[3].split() == ["lamp", "high", "0.857", "0.143", "0.857", "0.143"]
+    assert len(table_two(p_obs, CLASSES, VIEWPOINTS).splitlines()) == 2 + 4
+
+
+def test_the_agreement_text_states_rate_and_standard_error() -> None:
+    counts = count([Look(0, 0, 0, 0, 0)] * 3 + [Look(0, 0, 0, 0, 1), Look(0, 0, 0, None)], 1, 1, 1)
+    line = agreement_text(counts, ["low"]).splitlines()[2]
+    assert line.split() == ["1", "low", "1.000", "0.750", "+-", "0.217", "1.000", "0.000", "1"]
+
+
+def test_a_model_is_built_from_the_smoothed_table() -> None:
+    counts = independent(50, 0.8)
+    model = counts.model(CLASSES, VIEWPOINTS, smoothing=2.0, r_min=5.0)
+    assert isinstance(model, beltsort.SortingModel)
+    np.testing.assert_allclose(model.p_obs, counts.probabilities(2.0))
+
+
+@pytest.fixture(scope="module")
+def small() -> CellConfig:
+    config = CellConfig()
+    return replace(config, viewpoints=config.viewpoints[1:2])
+
+
+def test_at_least_one_object_is_collected() -> None:
+    with pytest.raises(beltsort.ArgumentError, match="objects is 0"):
+        collect_training(objects=0)
+
+
+def test_collected_counts_are_complete_and_do_not_depend_on_processes(small: CellConfig) -> None:
+    calls: list[tuple[int, int]] = []
+    database = collect_training(
+        small, objects=2, seed=3, workers=1, progress=lambda done, total: calls.append((done, total))
+    )
+    assert calls == [(1, 2), (2, 2)]
+    assert 12 <= len(database.labels) <= 2 * 2 * 4
+    alone, together = (collect_counts(database, small, objects=2, seed=3, workers=w) for w in (1, 2))
+    for field in ("counts", "missed", "agree", "pairs"):
+        np.testing.assert_array_equal(getattr(alone, field), getattr(together, field))
+    np.testing.assert_array_equal(alone.counts.sum(axis=-1) + alone.missed, 2)
+    assert alone.accuracy().mean() > 0.25
