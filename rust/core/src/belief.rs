@@ -163,3 +163,6 @@ pub(crate) fn most_likely(distribution: &[f64]) -> (usize, f64) {
     }
     best
 }
+
+#[cfg(test)]
+mod tests;

@@ -113,3 +113,6 @@ fn expectation(labels: &[Outcome], after: &[f64]) -> Vec<f64> {
     }
     expected
 }
+
+#[cfg(test)]
+mod tests;

@@ -264,3 +264,6 @@ impl NodePlace {
         self.probability * discount
     }
 }
+
+#[cfg(test)]
+mod tests;

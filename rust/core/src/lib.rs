@@ -13,6 +13,8 @@ mod policy;
 mod sampling;
 mod scenario;
 mod simulate;
+#[cfg(test)]
+mod testing;
 mod tree;
 
 pub use belief::Belief;

@@ -7,7 +7,28 @@ use pyo3::types::PyTuple;
 use crate::convert::index;
 use crate::errors::PolicyError;
 
-/// `m_k`: move the camera to a viewpoint and scan.
+/// `m_k`: move the camera to a viewpoint and scan once.
+///
+/// Parameters
+/// ----------
+/// viewpoint : int
+///     Index of the viewpoint. Whether the model has it, and whether a move may reach it, is checked where the
+///     action is used.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     If the index is negative.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> beltsort.Move(2)
+/// Move(viewpoint=2)
+/// >>> match beltsort.Move(2):
+/// ...     case beltsort.Move(viewpoint):
+/// ...         viewpoint
+/// 2
 #[pyclass(frozen, eq, hash, get_all, module = "beltsort", from_py_object)]
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Move {
@@ -36,7 +57,23 @@ impl Move {
     }
 }
 
-/// `d_i`: sort the object at the belt end as a class; the belt advances.
+/// `d_i`: sort the object at the belt end as a class; the belt advances by one position.
+///
+/// Parameters
+/// ----------
+/// label : int
+///     Index of the class. Whether the model has it is checked where the action is used.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     If the index is negative.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> beltsort.Decide(1) == beltsort.Decide(label=1)
+/// True
 #[pyclass(frozen, eq, hash, get_all, module = "beltsort", from_py_object)]
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Decide {

@@ -11,7 +11,38 @@ use crate::convert::{index, rows};
 use crate::errors::{ArgumentError, to_python};
 use crate::model::PySortingModel;
 
-/// The factored belief: one distribution per belt position.
+/// The factored belief: one distribution over the L classes per belt position, H of them.
+///
+/// Objects are independent and each label depends on its own object only, so the product of these distributions
+/// is the exact posterior. A belief changes in place; `copy` it to keep one.
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     Gives the shape, the observation tables and the arrival prior.
+/// probabilities : array_like, shape (H, L), optional
+///     One distribution per position, the belt end first; rows may miss 1 by 1e-6 and are normalised. The arrival
+///     prior at every position if missing. A probability of 0 is for ever: no label can raise it.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     If `probabilities` has another shape or a row is no distribution.
+///
+/// References
+/// ----------
+/// Mezei, Tamás & Buşoniu, ECC 2019, eq. 7 (`observe`) and eq. 8 (`advance`).
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+/// >>> belief = beltsort.Belief(model)
+/// >>> belief.observe(0, [1])
+/// >>> belief
+/// Belief([[0.200, 0.800]])
+/// >>> belief.most_likely(0)
+/// (1, 0.8)
 #[pyclass(name = "Belief", module = "beltsort", from_py_object)]
 #[derive(Clone)]
 pub struct PyBelief {
@@ -26,21 +57,40 @@ impl PyBelief {
     fn new(model: &PySortingModel, probabilities: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let belief = match probabilities {
             None => Belief::new(&model.0),
-            Some(value) => Belief::from_rows(&model.0, &rows("probabilities", value)?).map_err(to_python)?,
+            Some(value) => Belief::from_rows(&model.0, &rows("probabilities", value).map_err(ArgumentError::new_err)?)
+                .map_err(to_python)?,
         };
         Ok(Self { belief, model: Arc::clone(&model.0) })
     }
 
+    /// The model that this belief was made for.
     #[getter]
     fn model(&self) -> PySortingModel {
         PySortingModel(Arc::clone(&self.model))
     }
 
+    /// `b^j_i`: probability that the object at position j is of class i, float64 of shape (H, L); a copy.
     #[getter]
     fn probabilities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         Array2::from_shape_fn(self.belief.shape(), |(j, c)| self.belief.position(j)[c]).into_pyarray(py)
     }
 
+    /// Probability of each label at each position if the camera scanned from a viewpoint.
+    ///
+    /// Parameters
+    /// ----------
+    /// viewpoint : int
+    ///     Index of the viewpoint.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     float64 of shape (H, L): `sum_c b[j, c] p_obs[j, viewpoint, c, z]` for position j and label z.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If the model has no such viewpoint.
     fn label_probabilities<'py>(
         &self,
         py: Python<'py>,
@@ -51,6 +101,25 @@ impl PyBelief {
         Ok(Array2::from_shape_fn(self.belief.shape(), |(j, z)| predicted[(z, j)]).into_pyarray(py))
     }
 
+    /// Bayes' rule for one scan: `b[j, c]` becomes proportional to `b[j, c] p_obs[j, viewpoint, c, labels[j]]`.
+    ///
+    /// Parameters
+    /// ----------
+    /// viewpoint : int
+    ///     Index of the viewpoint that the scan was taken from.
+    /// labels : sequence of int or None, length H
+    ///     The class that each position was taken for, the belt end first; None where nothing was seen.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For another number of labels, or a label or viewpoint that the model has not.
+    /// ImpossibleObservationError
+    ///     For a label of probability 0. The belief is then unchanged.
+    ///
+    /// References
+    /// ----------
+    /// Mezei, Tamás & Buşoniu, ECC 2019, eq. 7.
     fn observe(&mut self, viewpoint: i64, labels: Vec<Option<i64>>) -> PyResult<()> {
         let labels = labels
             .into_iter()
@@ -59,10 +128,33 @@ impl PyBelief {
         self.belief.observe(&self.model, index("viewpoint", viewpoint)?, &labels).map_err(to_python)
     }
 
+    /// The belt advances: each position takes over the distribution behind it, the last one the arrival prior.
+    ///
+    /// References
+    /// ----------
+    /// Mezei, Tamás & Buşoniu, ECC 2019, eq. 8.
     fn advance(&mut self) {
         self.belief.advance(&self.model);
     }
 
+    /// The most likely class at a position (the lowest label among equals) and its probability.
+    ///
+    /// Parameters
+    /// ----------
+    /// position : int
+    ///     Belt position, 0 at the belt end.
+    ///
+    /// Returns
+    /// -------
+    /// label : int
+    ///     Index of the class.
+    /// probability : float
+    ///     Its probability.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If the model has no such position.
     fn most_likely(&self, position: i64) -> PyResult<(usize, f64)> {
         let position = index("position", position)?;
         let positions = self.model.position_count();
@@ -75,6 +167,7 @@ impl PyBelief {
         Ok(self.belief.most_likely(position))
     }
 
+    /// An independent belief of the same model and probabilities.
     fn copy(&self) -> Self {
         self.clone()
     }

@@ -1,25 +1,37 @@
 //! From Python's numbers and arrays to those of the core.
 
 use beltsort_core::{ScalarOrMatrix, Tables};
-use numpy::{AllowTypeChange, Element, PyArrayLikeDyn};
-use pyo3::conversion::FromPyObjectOwned;
+use numpy::{AllowTypeChange, PyArrayLikeDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyAny;
 
 use crate::errors::{ArgumentError, ModelError};
 
-/// A viewpoint or label as Python gives it; a negative one is out of range, not an overflow.
+/// Whole numbers up to here are exact as f64.
+const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// A viewpoint, label or position as Python gives it; a negative one is out of range, not an overflow.
 pub fn index(name: &str, value: i64) -> PyResult<usize> {
     usize::try_from(value)
         .map_err(|_| ArgumentError::new_err(format!("{name} {value} is out of range: indices start at 0")))
 }
 
-/// Observation tables or counts from anything that numpy makes an array of shape (H, K, L, L) of.
-pub fn tables<'py, T>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Tables<T>>
-where
-    T: Element + Copy + FromPyObjectOwned<'py> + 'py,
-{
-    let array = array::<T>(name, value)?;
+/// A number of things; the core says what it thinks of 0.
+pub fn count(name: &str, value: i64) -> PyResult<usize> {
+    usize::try_from(value)
+        .map_err(|_| ArgumentError::new_err(format!("{name} = {value} is negative; give at least 1")))
+}
+
+/// A seed as Python gives it.
+pub fn seed(value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    value.extract().map_err(|_| {
+        ArgumentError::new_err(format!("seed = {value}; give a whole number from 0 to {}", u64::MAX))
+    })
+}
+
+/// Observation tables from anything that numpy makes an array of shape (H, K, L, L) of.
+pub fn tables(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Tables<f64>> {
+    let array = array(name, value).map_err(ModelError::new_err)?;
     let view = array.as_array();
     let shape = view.shape().to_vec();
     if shape.len() != 4 {
@@ -27,13 +39,21 @@ where
             "{name} has shape {shape:?}; expected (H, K, L, L): positions, viewpoints, true classes, observed classes"
         )));
     }
-    let flat: Vec<T> = view.iter().copied().collect();
-    let mut entries = flat.into_iter();
-    let mut row = || entries.by_ref().take(shape[3]).collect::<Vec<T>>();
+    let mut entries = view.iter().copied();
+    let mut row = || entries.by_ref().take(shape[3]).collect::<Vec<f64>>();
     let tables = (0..shape[0])
         .map(|_| (0..shape[1]).map(|_| (0..shape[2]).map(|_| row()).collect()).collect())
         .collect();
     Ok(tables)
+}
+
+/// Label counts from anything that numpy makes an array of shape (H, K, L, L) of.
+pub fn counts(value: &Bound<'_, PyAny>) -> PyResult<Tables<u64>> {
+    let row = |row: Vec<f64>| row.into_iter().map(|entry| whole("counts", entry)).collect();
+    let table = |rows: Vec<Vec<f64>>| rows.into_iter().map(row).collect();
+    let position = |viewpoints: Vec<Vec<Vec<f64>>>| viewpoints.into_iter().map(table).collect();
+    let counts: Result<_, _> = tables("counts", value)?.into_iter().map(position).collect();
+    counts.map_err(ModelError::new_err)
 }
 
 /// A number, or a matrix as anything that numpy makes an array of two axes of.
@@ -41,28 +61,36 @@ pub fn scalar_or_matrix(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Scalar
     if let Ok(number) = value.extract::<f64>() {
         return Ok(ScalarOrMatrix::Scalar(number));
     }
-    Ok(ScalarOrMatrix::Matrix(rows(name, value)?))
+    Ok(ScalarOrMatrix::Matrix(rows(name, value).map_err(ModelError::new_err)?))
 }
 
-/// The rows of a matrix.
-pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<f64>>> {
-    let array = array::<f64>(name, value)?;
+/// The rows of a matrix, or what is wrong with it.
+pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<Vec<f64>>, String> {
+    let array = array(name, value)?;
     let view = array.as_array();
     let shape = view.shape();
     if shape.len() != 2 {
-        return Err(ModelError::new_err(format!("{name} has shape {shape:?}; expected two axes")));
+        return Err(format!("{name} has shape {shape:?}; expected two axes"));
     }
     Ok(view.rows().into_iter().map(|row| row.iter().copied().collect()).collect())
 }
 
-fn array<'py, T: Element + FromPyObjectOwned<'py> + 'py>(
+/// A number that numpy turned into a float on its way, or what is wrong with it.
+pub fn whole(name: &str, value: f64) -> Result<u64, String> {
+    if value.fract() == 0.0 && (0.0..=LARGEST_WHOLE).contains(&value) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked above
+        return Ok(value as u64);
+    }
+    Err(format!("{name} holds {value}; expected whole numbers, not negative"))
+}
+
+fn array<'py>(
     name: &str,
     value: &Bound<'py, PyAny>,
-) -> PyResult<PyArrayLikeDyn<'py, T, AllowTypeChange>> {
-    value.extract().map_err(|_| {
-        ModelError::new_err(format!(
-            "{name} is not an array of {}; give nested lists of equal lengths, or a numpy array",
-            std::any::type_name::<T>()
-        ))
+) -> Result<PyArrayLikeDyn<'py, f64, AllowTypeChange>, String> {
+    value.extract().map_err(|reason: PyErr| {
+        format!(
+            "{name} is not an array of numbers ({reason}); give nested lists of equal lengths, or a numpy array"
+        )
     })
 }

@@ -1,22 +1,28 @@
 //! `evaluate` and its result.
 
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 use beltsort_core as core;
 use beltsort_core::{Action, Belief, Error, EvaluationConfig, Policy, SortingModel, TrueClasses};
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArrayLike2};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::ThreadPool;
 
 use crate::actions;
 use crate::belief::PyBelief;
-use crate::convert::index;
-use crate::errors::{ArgumentError, to_python};
+use crate::convert::{self, count, index};
+use crate::errors::{ArgumentError, PolicyError, to_python};
+use crate::interrupt::{Stoppable, interruptible};
 use crate::model::PySortingModel;
 use crate::planner::{PyDespot, thread_pool};
 use crate::policies::{PyInformationGain, PyThreshold};
 
-/// Outcomes of simulated batches, one entry per batch.
+/// Outcomes of simulated batches: arrays of shape (batches,), in the order of the batches.
+///
+/// Rewards are in the unit of `r_max` and `r_min`. Two policies that were evaluated with the same seed met the same
+/// objects: compare them batch by batch.
 #[pyclass(frozen, name = "Evaluation", module = "beltsort")]
 pub struct PyEvaluation {
     evaluation: core::Evaluation,
@@ -25,31 +31,44 @@ pub struct PyEvaluation {
 
 #[pymethods]
 impl PyEvaluation {
+    /// Planner steps, that is moves and decisions; uint64.
     #[getter]
     fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         self.evaluation.steps.clone().into_pyarray(py)
     }
 
+    /// Right decisions; uint64, at most `batch_size`.
     #[getter]
     fn correct<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         self.evaluation.correct.clone().into_pyarray(py)
     }
 
+    /// Decisions forced by `max_looks`, or by three impossible labels of one object in a row; uint64.
     #[getter]
     fn forced<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         self.evaluation.forced.clone().into_pyarray(py)
     }
 
+    /// Sum of rewards; float64.
     #[getter]
     fn returns<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.evaluation.returns.clone().into_pyarray(py)
     }
 
+    /// Sum of rewards, each times `discount` to the power of the planner steps before it; float64.
     #[getter]
     fn discounted_returns<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.evaluation.discounted_returns.clone().into_pyarray(py)
     }
 
+    /// As `discounted_returns`, each decision scored by its expected reward under the belief; float64.
+    ///
+    /// The same mean and a far smaller variance, as long as the model itself draws classes and labels.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If `true_classes` or another `truth` was given: the mean would be biased.
     #[getter]
     fn expected_discounted_returns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         if !self.drawn_from_model {
@@ -61,6 +80,13 @@ impl PyEvaluation {
         Ok(self.evaluation.expected_discounted_returns.clone().into_pyarray(py))
     }
 
+    /// Mean and standard error over the batches of every outcome.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     For each property above, a dict with the keys ``mean`` and ``standard_error`` (NaN for a single batch).
+    ///     `expected_discounted_returns` is left out where it would be biased.
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let summary = PyDict::new(py);
         for (name, statistics) in self.evaluation.summary(self.drawn_from_model) {
@@ -74,6 +100,58 @@ impl PyEvaluation {
 }
 
 /// Simulate batches of the sorting POMDP.
+///
+/// Randoms are indexed by (batch, object, look): every policy meets the same objects, and the n-th look at an object
+/// draws on the same random. The result depends on neither `threads` nor the machine, unless the policy does (a
+/// planner with a time budget does).
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     Updates the belief and gives the rewards.
+/// policy : Policy
+///     `Despot`, `Threshold`, `InformationGain`, or any object with a method ``act(belief, viewpoint)`` that returns
+///     a `Move` or a `Decide`. Such an object is asked from one thread, and its exceptions pass through unchanged.
+/// batches : int
+///     Number of batches. Standard errors shrink with its square root only.
+/// batch_size : int
+///     Decisions per batch; each batch starts from the arrival prior.
+/// seed : int
+///     Seed of classes and labels. A seed that a policy was tuned on flatters it.
+/// threads : int, optional
+///     Threads to use; all cores if missing. More than that gain nothing.
+/// viewpoint : int
+///     Where the camera stands when a batch starts.
+/// true_classes : array_like of int, optional
+///     A list of labels to draw from uniformly, or the labels themselves, shape (batches, batch_size + H - 1).
+///     The arrival prior of `truth` if missing.
+/// truth : SortingModel, optional
+///     Draws classes and labels; `model` if missing. Its H, K and L must be those of `model`.
+/// max_looks : int
+///     An object looked at this often is decided as its most likely class. Too large, and a policy that never
+///     decides never ends.
+///
+/// Returns
+/// -------
+/// Evaluation
+///     One outcome per batch.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For a count below 1, or an argument that does not fit the model.
+/// PolicyError
+///     If the policy names no legal action.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[1.0, 0.0], [0.0, 1.0]]]])
+/// >>> result = beltsort.evaluate(model, beltsort.Threshold(model, 0.9), batches=3)
+/// >>> result.correct
+/// array([10, 10, 10], dtype=uint64)
+/// >>> result.summary()["steps"]
+/// {'mean': 20.0, 'standard_error': 0.0}
 #[pyfunction]
 #[pyo3(signature = (model, policy, *, batches=1000, batch_size=10, seed=0, threads=None, viewpoint=0,
                     true_classes=None, truth=None, max_looks=60))]
@@ -84,7 +162,7 @@ pub fn evaluate(
     policy: &Bound<'_, PyAny>,
     batches: i64,
     batch_size: i64,
-    seed: u64,
+    seed: &Bound<'_, PyAny>,
     threads: Option<i64>,
     viewpoint: i64,
     true_classes: Option<&Bound<'_, PyAny>>,
@@ -92,49 +170,65 @@ pub fn evaluate(
     max_looks: i64,
 ) -> PyResult<PyEvaluation> {
     let config = EvaluationConfig {
-        batches: index("batches", batches)?,
-        batch_size: index("batch_size", batch_size)?,
-        seed,
+        batches: count("batches", batches)?,
+        batch_size: count("batch_size", batch_size)?,
+        seed: convert::seed(seed)?,
         viewpoint: index("viewpoint", viewpoint)?,
         true_classes: true_classes.map_or(Ok(TrueClasses::Arrival), classes)?,
-        max_looks: index("max_looks", max_looks)?,
+        max_looks: count("max_looks", max_looks)?,
     };
     let truth = truth.unwrap_or(model);
     let drawn_from_model = truth.0 == model.0 && config.true_classes == TrueClasses::Arrival;
-    let failure = Mutex::new(None);
-    let run = |policy: &dyn Policy, threads: Option<i64>| -> PyResult<core::Result<core::Evaluation>> {
-        let pool = threads.map(thread_pool).transpose()?;
-        Ok(py.detach(|| {
-            let evaluate = || core::evaluate(&model.0, &truth.0, policy, &config);
-            pool.as_ref().map_or_else(evaluate, |pool| pool.install(evaluate))
-        }))
+    let pool = threads.map(thread_pool).transpose()?;
+    let run = |policy: &dyn Policy, pool: Option<&ThreadPool>| {
+        let stop = AtomicBool::new(false);
+        let evaluate = || core::evaluate(&model.0, &truth.0, &Stoppable { policy, stop: &stop }, &config);
+        interruptible(py, &stop, || match pool {
+            Some(pool) => pool.install(evaluate),
+            None => evaluate(),
+        })
     };
+    let pool = pool.as_ref();
     let evaluation = if let Ok(despot) = policy.cast::<PyDespot>() {
-        run(&despot.get().planner, threads)?
+        run(&despot.get().planner, pool)?.map_err(to_python)
     } else if let Ok(threshold) = policy.cast::<PyThreshold>() {
-        run(&threshold.get().policy, threads)?
+        run(&threshold.get().policy, pool)?.map_err(to_python)
     } else if let Ok(gain) = policy.cast::<PyInformationGain>() {
-        run(&gain.get().policy, threads)?
+        run(&gain.get().policy, pool)?.map_err(to_python)
     } else {
-        let own =
-            UserPolicy { object: policy.clone().unbind(), model: Arc::clone(&model.0), failure: &failure };
+        let user = UserPolicy::new(policy, model)?;
         // A user's policy may keep state: its batches run one after the other.
-        run(&own, Some(1))?
-    };
-    let raised = failure.into_inner().ok().flatten();
-    let evaluation = evaluation.map_err(|error| raised.unwrap_or_else(|| to_python(error)))?;
+        run(&user, Some(&thread_pool(1)?))?.map_err(|error| user.raised().unwrap_or_else(|| to_python(error)))
+    }?;
     Ok(PyEvaluation { evaluation, drawn_from_model })
 }
 
 /// Any Python object with a method `act(belief, viewpoint)`.
-struct UserPolicy<'a> {
+struct UserPolicy {
     object: Py<PyAny>,
     model: Arc<SortingModel>,
     /// The exception that the object raised, for the caller to see.
-    failure: &'a Mutex<Option<PyErr>>,
+    failure: Mutex<Option<PyErr>>,
 }
 
-impl Policy for UserPolicy<'_> {
+impl UserPolicy {
+    fn new(object: &Bound<'_, PyAny>, model: &PySortingModel) -> PyResult<Self> {
+        if !object.hasattr("act")? {
+            return Err(PolicyError::new_err(format!(
+                "policy = {} has no method act; give Despot, Threshold, InformationGain, or an object whose \
+                 act(belief, viewpoint) returns beltsort.Move or beltsort.Decide",
+                object.repr()?
+            )));
+        }
+        Ok(Self { object: object.clone().unbind(), model: Arc::clone(&model.0), failure: Mutex::new(None) })
+    }
+
+    fn raised(self) -> Option<PyErr> {
+        self.failure.into_inner().ok().flatten()
+    }
+}
+
+impl Policy for UserPolicy {
     fn act(&self, belief: &Belief, viewpoint: usize) -> core::Result<Action> {
         Python::attach(|py| {
             let belief = PyBelief { belief: belief.clone(), model: Arc::clone(&self.model) };
@@ -153,14 +247,23 @@ impl Policy for UserPolicy<'_> {
 
 /// A list of labels to draw from, or an array with a row per batch.
 fn classes(value: &Bound<'_, PyAny>) -> PyResult<TrueClasses> {
-    let to_index = |label: &i64| index("true class", *label);
     if let Ok(labels) = value.extract::<Vec<i64>>() {
+        let to_index = |label: &i64| index("true class", *label);
         return Ok(TrueClasses::UniformlyFrom(labels.iter().map(to_index).collect::<PyResult<_>>()?));
     }
-    let array: PyArrayLike2<'_, i64, AllowTypeChange> = value.extract().map_err(|_| {
-        ArgumentError::new_err("true_classes is neither a list of labels nor an integer array of two axes")
-    })?;
-    let rows = array.as_array();
-    let rows = rows.rows().into_iter().map(|row| row.iter().map(to_index).collect());
-    Ok(TrueClasses::Given(rows.collect::<PyResult<_>>()?))
+    let rows = convert::rows("true_classes", value).and_then(|rows| {
+        let to_labels = |row: Vec<f64>| row.into_iter().map(to_label).collect();
+        rows.into_iter().map(to_labels).collect()
+    });
+    rows.map(TrueClasses::Given).map_err(|reason| {
+        ArgumentError::new_err(format!(
+            "{reason}; true_classes is a list of labels to draw from, or labels of shape \
+             (batches, batch_size + H - 1)"
+        ))
+    })
+}
+
+fn to_label(value: f64) -> Result<usize, String> {
+    let label = convert::whole("true_classes", value)?;
+    usize::try_from(label).map_err(|_| format!("true_classes holds {value}, which is out of range"))
 }

@@ -5,6 +5,7 @@ mod belief;
 mod convert;
 mod errors;
 mod evaluation;
+mod interrupt;
 mod model;
 mod planner;
 mod policies;

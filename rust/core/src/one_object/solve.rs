@@ -250,19 +250,12 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::belief::Belief;
-    use crate::model::ModelSpec;
-
-    fn paper(r_min: f64) -> SortingModel {
-        let text = include_str!("../../../../tests/fixtures/paper.json");
-        let mut spec = ModelSpec::from_json(text).expect("the fixture is a model file");
-        spec.r_min = r_min;
-        SortingModel::new(spec).and_then(|m| m.with_positions(1)).expect("the fixture is a model")
-    }
+    use crate::testing::paper;
 
     #[test]
     fn value_reaches_the_known_optimum_from_below() {
         for (r_min, optimum, tolerance) in [(5.0, 46.987, 0.001), (50.0, 17.5, 0.001), (500.0, 5.842, 0.01)] {
-            let model = paper(r_min);
+            let model = paper(r_min).with_positions(1).unwrap();
             let policy = OneObjectPolicy::solve(&model);
             let value = policy.value(&model, Belief::new(&model).as_slice(), 0);
             assert!(value <= optimum + 5e-4, "r_min {r_min}: {value} above {optimum}");
