@@ -46,13 +46,13 @@ class BeltLayout:
 
 
 def on_sphere(azimuth: float, elevation: float, radius: float, centre: Points) -> Points:
-    """Return the point at `azimuth`, `elevation` (degrees) and `radius` (metres) about `centre`, shape (3,)."""
+    """Return the point at `azimuth`, `elevation` (degrees), `radius` (metres) about `centre`, shape (3,)."""
     a, e = np.radians(azimuth), np.radians(elevation)
     return centre + radius * np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
 
 
 def look_at(eye: Points, target: Points) -> Pose:
-    """Return `world_from_camera` of a camera at `eye` that sees `target` in its centre, world z up in the image.
+    """Return `world_from_camera` of a camera at `eye` with `target` in its centre, world z up in the image.
 
     Straight up and straight down, where that "up" is undefined, the image's up is the world's x.
     """

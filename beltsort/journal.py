@@ -1,8 +1,8 @@
 """The durable record of a run.
 
-An append-only list of entries in one SQLite file. Every entry is on the disk before the call that wrote it returns
-(WAL, synchronous=FULL), so that what the cell did can be told after any crash: an *intent* without its *outcome* is
-the one command whose fate is unknown.
+An append-only list of entries in one SQLite file. Every entry is on the disk before the call that wrote it
+returns (WAL, synchronous=FULL), so that what the cell did can be told after any crash: an *intent* without
+its *outcome* is the one command whose fate is unknown.
 """
 
 import json
@@ -160,8 +160,6 @@ def read_journal(path: Path) -> list[Entry]:
             rows = database.execute("SELECT * FROM entries ORDER BY number").fetchall()
         finally:
             database.close()
-        return [
-            Entry(number, time, kind, obj, json.loads(data)) for number, time, kind, obj, data in rows
-        ]
+        return [Entry(number, time, kind, obj, json.loads(data)) for number, time, kind, obj, data in rows]
     except sqlite3.Error as reason:
         raise JournalError(f"{path} cannot be read as a journal: {reason}") from reason

@@ -172,7 +172,9 @@ class _Loop:
 
     def start(self, objects: int) -> None:
         """Bring the arm to where the planner takes it to be."""
-        self.journal.append("start", objects=objects, model=self.model.to_json(), beltsort=beltsort.__version__)
+        self.journal.append(
+            "start", objects=objects, model=self.model.to_json(), beltsort=beltsort.__version__
+        )
         self.journal.object = self.index
         with self.journal.command("move", viewpoint=self.viewpoint) as command_id:
             self.cell.move_to(self.viewpoint, command_id)
@@ -194,7 +196,7 @@ class _Loop:
                     self.decide(label)
 
     def confirmation(self) -> Move | None:
-        """Return the move that would confirm an empty belt end, from a viewpoint not yet tried if there is one."""
+        """Return the move that would confirm an empty belt end, to a viewpoint not tried yet if possible."""
         tried = self.visible[0].empty
         legal = self.model.travel[self.viewpoint]
         if not tried or not legal:
@@ -259,8 +261,8 @@ class _Loop:
             except CloudError as reason:
                 self.journal.append("bad_scan", stamp=scan.stamp, error=str(reason))
         raise CellError(
-            f"{self.rules.scan_attempts} scans in a row are unusable, expected a point cloud; check the camera "
-            f"({self.journal.path} tells what each lacked)"
+            f"{self.rules.scan_attempts} scans in a row are unusable, expected a point cloud; check the "
+            f"camera ({self.journal.path} tells what each lacked)"
         )
 
     def decide(self, label: int, forced: str | None = None) -> None:

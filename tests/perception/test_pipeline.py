@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from belt_scene import Scene
 
 from beltsort.errors import CloudError, DatabaseError
 from beltsort.geometry import BeltLayout, on_sphere
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig, describe, segment
 from beltsort.perception.normals import oriented_normals
+from tests.perception.belt_scene import Scene
 
 LAYOUT = BeltLayout()
 SHAPES = {"round": (0.03, 0.03, 0.03), "tall": (0.015, 0.015, 0.05)}

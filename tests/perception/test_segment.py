@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from belt_scene import Scene, SyntheticScan
 
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points, transform
 from beltsort.perception import PerceptionConfig, segment
 from beltsort.perception.level import levelled
 from beltsort.perception.segment import voxel_means
+from tests.perception.belt_scene import Scene, SyntheticScan
 
 LAYOUT = BeltLayout()
 ROUND = (0.03, 0.03, 0.03)

@@ -1,0 +1,1 @@
+"""What a researcher runs: the demonstration, and pictures of runs."""

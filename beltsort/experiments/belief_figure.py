@@ -1,0 +1,96 @@
+"""The belief over time with the decisions marked, as in the paper's Fig. 3."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beltsort.errors import JournalError
+from beltsort.journal import Entry
+
+# Okabe & Ito's palette: told apart by colour-blind readers too; markers tell classes apart in grey.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+
+def belief_over_time(
+    entries: list[Entry],
+) -> tuple[NDArray[np.float64], list[tuple[int, str]], dict[str, Any]]:
+    """Return the belief after each planner step, the decisions, and the model of a journalled run.
+
+    Returns
+    -------
+    beliefs
+        Shape (steps + 1, H, L); row 0 is the arrival prior. A decision's row shows the belief behind it.
+    decisions
+        (step, class name) of each.
+    model
+        The model file's content.
+
+    Raises
+    ------
+    JournalError
+        If the journal has no start entry.
+    """
+    if not entries or entries[0].kind != "start":
+        raise JournalError("the journal has no start entry; was the run killed before it began?")
+    model = json.loads(entries[0].data["model"])
+    classes, positions = model["classes"], len(model["p_obs"])
+    arrival = model.get("arrival") or [1.0 / len(classes)] * len(classes)
+    belief = np.tile(np.asarray(arrival, dtype=np.float64), (positions, 1))
+    beliefs, decisions = [belief], []
+    for entry in entries:
+        if entry.kind == "scan":
+            belief = np.asarray(entry.data["belief"])
+            beliefs.append(belief)
+        elif entry.kind in ("decision", "skip"):
+            if entry.kind == "decision":
+                beliefs.append(belief)
+                label = entry.data["label"]
+                decisions.append((len(beliefs) - 1, "reject" if label is None else classes[label]))
+            belief = np.vstack([belief[1:], [arrival]])
+    return np.stack(beliefs), decisions, model
+
+
+def draw_belief(entries: list[Entry], path: Path) -> None:
+    """Draw a journalled run: a panel per belt position, a line per class, the decisions as vertical lines.
+
+    Parameters
+    ----------
+    entries
+        From `beltsort.journal.read_journal`.
+    path
+        The picture; its ending (png, svg, pdf) is its format.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    beliefs, decisions, model = belief_over_time(entries)
+    steps, positions, _ = beliefs.shape
+    figure = Figure(figsize=(max(7.0, 0.2 * steps), 2.2 * positions + 0.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(positions, 1, sharex=True, squeeze=False)[:, 0]
+    for j, panel in enumerate(panels):
+        for i, name in enumerate(model["classes"]):
+            style = {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[i % len(MARKERS)]}
+            panel.plot(range(steps), beliefs[:, j, i], label=name, markersize=4, linewidth=1.2, **style)
+        panel.set(ylim=(-0.03, 1.14), yticks=(0.0, 0.25, 0.5, 0.75, 1.0), ylabel=f"belief, position {j + 1}")
+        panel.grid(alpha=0.3)
+        for step, _name in decisions:
+            panel.axvline(step, color="black", linestyle="--", linewidth=0.8)
+    for step, name in decisions:
+        panels[0].annotate(
+            f"$d_\\mathrm{{{name[0]}}}$",
+            (step, 1.05),
+            xytext=(3, 0),
+            textcoords="offset points",
+        )
+    panels[-1].set_xlabel("planner step")
+    panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(model["classes"])
+    )
+    figure.savefig(path, dpi=120)

@@ -1,0 +1,148 @@
+"""The main job: ten bulbs sorted from depth scans."""
+
+import json
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+import beltsort
+from beltsort.cell.simulated import CellConfig, SimulatedCell
+from beltsort.errors import JournalError
+from beltsort.experiments.belief_figure import draw_belief
+from beltsort.journal import Journal, Listener, read_journal
+from beltsort.perception import Perception
+from beltsort.sorter import SortingReport, sort_objects
+from beltsort.tables.prepare import Prepared
+
+OBJECTS = 10
+DRAWN_FROM = ("elongated", "livarno")
+TRIALS = 50
+
+
+@dataclass(frozen=True, eq=False)
+class DemoResult:
+    """What a demonstration did.
+
+    Attributes
+    ----------
+    true_labels
+        Class index of each object.
+    report
+        Steps and decisions.
+    model
+        The model that it was planned with.
+    seconds
+        Time by stage.
+    folder
+        Where journal, model and picture are.
+    """
+
+    true_labels: tuple[int, ...]
+    report: SortingReport
+    model: beltsort.SortingModel
+    seconds: dict[str, float]
+    folder: Path
+
+    @property
+    def correct(self) -> int:
+        """Number of right decisions."""
+        return sum(d.label == self.true_labels[d.object] for d in self.report.decisions)
+
+
+def true_labels(seed: int, classes: tuple[str, ...]) -> tuple[int, ...]:
+    """Draw the objects of a run: `OBJECTS` class indices, uniformly from `DRAWN_FROM` as in the paper."""
+    rng = np.random.default_rng(seed)
+    return tuple(classes.index(DRAWN_FROM[i]) for i in rng.integers(len(DRAWN_FROM), size=OBJECTS))
+
+
+def new_run_folder(parent: Path) -> Path:
+    """Make and return a folder named after the time.
+
+    Raises
+    ------
+    JournalError
+        If it cannot be made.
+    """
+    folder = parent / datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
+    try:
+        folder.mkdir(parents=True)
+    except OSError as reason:
+        raise JournalError(
+            f"the run folder {folder} cannot be made: {reason}; work in a folder that can be written"
+        ) from reason
+    return folder
+
+
+def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | None = None) -> DemoResult:
+    """Sort ten bulbs of the simulated cell, planned by DESPOT.
+
+    The same seed gives the same labels, actions and decisions.
+
+    Parameters
+    ----------
+    prepared
+        Classifier and tables of the default simulated cell.
+    seed
+        Of the objects, of the cell and of the planner.
+    folder
+        An existing folder for journal, model and picture.
+    listener
+        Called with every journal entry.
+
+    Raises
+    ------
+    ArgumentError
+        If the seed is negative.
+    """
+    if seed < 0:
+        raise beltsort.ArgumentError(f"seed is {seed}; give a whole number from 0 on")
+    config = CellConfig()
+    began = perf_counter()
+    names = [viewpoint.name for viewpoint in config.viewpoints]
+    model = prepared.counts.model(
+        config.classes, names, note="simulated cell: says what the simulator was set to"
+    )
+    model.save(folder / "model.json")
+    planner = beltsort.Despot(model, seed=seed, trials=TRIALS)
+    ready = perf_counter()
+    labels = true_labels(seed, config.classes)
+    cell = SimulatedCell(labels, config, seed=seed)
+    perception = Perception(config.layout, prepared.database)
+    with Journal(folder / "journal.sqlite", listener) as journal:
+        report = sort_objects(cell, perception, planner, model, journal, objects=OBJECTS)
+    sorted_at = perf_counter()
+    draw_belief(read_journal(folder / "journal.sqlite"), folder / "belief.png")
+    seconds = {
+        **prepared.seconds,
+        "planner": ready - began,
+        "sorting": sorted_at - ready,
+        "picture": perf_counter() - sorted_at,
+    }
+    return DemoResult(labels, report, model, seconds, folder)
+
+
+def as_json(result: DemoResult, seed: int) -> dict[str, Any]:
+    """Return the result as plain data."""
+    decisions = [
+        {
+            "object": d.object,
+            "true": result.model.classes[result.true_labels[d.object]],
+            "decided": None if d.label is None else result.model.classes[d.label],
+            "looks": d.looks,
+            "belief": d.belief,
+        }
+        for d in result.report.decisions
+    ]
+    return {
+        "steps": result.report.steps,
+        "correct": result.correct,
+        "decisions": decisions,
+        "model": json.loads(result.model.to_json()),
+        "seconds": {name: round(value, 3) for name, value in result.seconds.items()},
+        "seed": seed,
+        "folder": str(result.folder),
+    }

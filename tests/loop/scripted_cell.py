@@ -1,0 +1,81 @@
+"""A cell and a perception that follow a script, for the rules of the loop."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import beltsort
+from beltsort.cell.protocols import Scan
+from beltsort.errors import CloudError
+from beltsort.geometry import BeltLayout
+
+EMPTY = "empty"
+UNUSABLE = "unusable"
+Glimpse = int | str | None
+"""A label, None (seen, not labelled) or EMPTY."""
+
+
+@dataclass(frozen=True)
+class Glimpsed:
+    label: int | None
+    empty: bool
+
+
+@dataclass
+class ScriptedCell:
+    """Records what it is told to do; `interrupt_at` raises KeyboardInterrupt in the n-th call."""
+
+    model: beltsort.SortingModel
+    reject_bin: int | None = None
+    interrupt_at: int | None = None
+    acts: list[tuple[str, int]] = field(default_factory=list)
+    command_ids: list[str] = field(default_factory=list)
+    viewpoint: int = 0
+    first: int = 0
+
+    @property
+    def classes(self) -> Sequence[str]:
+        return self.model.classes
+
+    @property
+    def viewpoints(self) -> Sequence[str]:
+        return self.model.viewpoints
+
+    @property
+    def layout(self) -> BeltLayout:
+        return BeltLayout(positions=self.model.positions)
+
+    def _act(self, name: str, target: int, command_id: str) -> None:
+        if len(self.acts) == self.interrupt_at:
+            raise KeyboardInterrupt
+        self.acts.append((name, target))
+        self.command_ids.append(command_id)
+
+    def move_to(self, viewpoint: int, command_id: str) -> float:
+        self._act("move", viewpoint, command_id)
+        self.viewpoint = viewpoint
+        return float(len(self.acts))
+
+    def scan(self, *, not_before: float) -> Scan:
+        return Scan(np.zeros((1, 3)), np.eye(4), stamp=not_before)
+
+    def sort(self, label: int, command_id: str) -> None:
+        self._act("sort", label, command_id)
+
+    def advance_to(self, index: int, command_id: str) -> None:
+        self._act("advance", index, command_id)
+        self.first = index
+
+
+def scripted(scans: Iterable[Sequence[Glimpse] | str]) -> Callable[[Scan], list[Glimpsed]]:
+    """Return a perception that tells of one scan after the other what the script says."""
+    script = iter(scans)
+
+    def perceive(_scan: Scan) -> list[Glimpsed]:
+        scan = next(script)
+        if scan == UNUSABLE:
+            raise CloudError("no point is finite")
+        return [Glimpsed(label=what if isinstance(what, int) else None, empty=what == EMPTY) for what in scan]
+
+    return perceive

@@ -1,0 +1,82 @@
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from beltsort.errors import JournalError
+from beltsort.journal import Entry, Journal, read_journal
+
+KILLED_BETWEEN_INTENT_AND_OUTCOME = """
+import os, signal, sys
+from pathlib import Path
+from beltsort.journal import Entry, Journal
+journal = Journal(Path(sys.argv[1]))
+journal.append("start")
+with journal.command("sort", label=3):
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_entries_read_back_as_written(tmp_path: Path) -> None:
+    heard: list[Entry] = []
+    with Journal(tmp_path / "j", heard.append) as journal:
+        journal.append("start", objects=3)
+        journal.object = 0
+        with journal.command("move", viewpoint=1) as command_id:
+            assert command_id == "move-2"
+    entries = read_journal(tmp_path / "j")
+    assert entries == heard
+    assert [(e.number, e.kind, e.object) for e in entries] == [
+        (1, "start", None),
+        (2, "intent", 0),
+        (3, "outcome", 0),
+    ]
+
+
+def test_a_killed_process_loses_nothing_that_was_appended(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    killed = subprocess.run([sys.executable, "-c", KILLED_BETWEEN_INTENT_AND_OUTCOME, path], check=False)
+    assert killed.returncode == -9
+    assert [(e.kind, e.data.get("label")) for e in read_journal(path)] == [("start", None), ("intent", 3)]
+
+
+def test_a_failed_command_is_told(tmp_path: Path) -> None:
+    with Journal(tmp_path / "j") as journal, pytest.raises(ValueError, match="jam"), journal.command("sort"):
+        raise ValueError("jam")
+    outcome = read_journal(tmp_path / "j")[-1].data
+    assert not outcome["done"]
+    assert "jam" in outcome["error"]
+
+
+def test_a_run_never_overwrites_another(tmp_path: Path) -> None:
+    Journal(tmp_path / "j").close()
+    with pytest.raises(JournalError, match="exists already"):
+        Journal(tmp_path / "j")
+
+
+def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    with pytest.raises(JournalError, match="missing"):
+        Journal(tmp_path / "missing" / "j")
+
+
+def test_a_full_disk_is_told_and_keeps_what_was_written(tmp_path: Path) -> None:
+    journal = Journal(tmp_path / "j")
+    journal.append("start")
+    journal._database.execute("PRAGMA max_page_count=1")
+    with pytest.raises(JournalError, match="full"):
+        journal.append("scan", labels=["x" * 100_000])
+    journal.close()
+    assert [entry.kind for entry in read_journal(tmp_path / "j")] == ["start"]
+
+
+def test_what_is_no_journal_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(JournalError, match="does not exist"):
+        read_journal(tmp_path / "none")
+    (tmp_path / "text").write_text("no database, but a long enough text to be looked at " * 20)
+    with pytest.raises(JournalError, match="cannot be read"):
+        read_journal(tmp_path / "text")
+    sqlite3.connect(tmp_path / "other").execute("CREATE TABLE t (x)").connection.close()
+    with pytest.raises(JournalError, match="version"):
+        read_journal(tmp_path / "other")

@@ -1,0 +1,167 @@
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import beltsort
+from beltsort import Belief, Decide, Move
+from beltsort.errors import CellError
+from beltsort.journal import Entry, Journal, read_journal
+from beltsort.sorter import Rules, SortingReport, sort_objects
+from tests.loop.scripted_cell import EMPTY, UNUSABLE, ScriptedCell, scripted
+
+PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json")
+
+
+class AlwaysLook:
+    """A policy that never decides."""
+
+    def act(self, belief: Belief, viewpoint: int) -> Move | Decide:
+        return Move(0)
+
+
+class LookOnceEach:
+    """Looks once from each viewpoint in turn, then decides the most likely class."""
+
+    def __init__(self) -> None:
+        self.next = 0
+
+    def act(self, belief: Belief, viewpoint: int) -> Move | Decide:
+        self.next = (self.next + 1) % 2
+        return Move(1) if self.next else Decide(belief.most_likely(0)[0])
+
+
+def run(
+    tmp_path: Path,
+    cell: ScriptedCell,
+    scans: object,
+    policy: object,
+    objects: int,
+    rules: Rules | None = None,
+) -> tuple[SortingReport, list[Entry]]:
+    path = tmp_path / "journal.sqlite"
+    with Journal(path) as journal:
+        report = sort_objects(
+            cell,
+            scripted(scans),  # type: ignore[arg-type] # scripts are written loosely
+            policy,  # type: ignore[arg-type] # so are policies
+            cell.model,
+            journal,
+            objects=objects,
+            rules=rules,
+        )
+    return report, read_journal(path)
+
+
+def test_sorts_every_object_once_and_in_order(tmp_path: Path) -> None:
+    cell = ScriptedCell(PAPER)
+    report, entries = run(tmp_path, cell, itertools.repeat([1, 0]), LookOnceEach(), objects=4)
+    assert [d.object for d in report.decisions] == [0, 1, 2, 3]
+    assert [target for name, target in cell.acts if name == "advance"] == [1, 2, 3, 4]
+    assert sum(name == "sort" for name, _ in cell.acts) == 4
+    assert report.steps == 8
+    assert len(set(cell.command_ids)) == len(cell.command_ids)
+    assert entries[-1].kind == "end"
+    assert entries[-1].data["reason"] == "done"
+
+
+def test_belief_follows_bayes_and_the_belt(tmp_path: Path) -> None:
+    _, entries = run(tmp_path, ScriptedCell(PAPER), [[1, 0], [2, 2]], LookOnceEach(), objects=2)
+    belief = Belief(PAPER)
+    belief.observe(1, [1, 0])
+    scans = [entry for entry in entries if entry.kind == "scan"]
+    np.testing.assert_allclose(scans[0].data["belief"], belief.probabilities, rtol=0, atol=0)
+    belief.advance()
+    belief.observe(1, [2, 2])
+    np.testing.assert_allclose(scans[1].data["belief"], belief.probabilities, rtol=0, atol=0)
+
+
+def test_looks_count_from_the_first_sight(tmp_path: Path) -> None:
+    report, _ = run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), LookOnceEach(), objects=3)
+    assert [d.looks for d in report.decisions] == [1, 2, 2]
+
+
+@pytest.mark.parametrize("reject_bin", [None, 7])
+def test_looking_ends_at_max_looks(tmp_path: Path, reject_bin: int | None) -> None:
+    cell = ScriptedCell(PAPER, reject_bin=reject_bin)
+    rules = Rules(max_looks=5)
+    report, _ = run(tmp_path, cell, itertools.repeat([None, None]), AlwaysLook(), 2, rules)
+    assert [(d.looks, d.forced) for d in report.decisions] == [(5, "max_looks")] * 2
+    assert [d.label for d in report.decisions] == [None if reject_bin else 0] * 2
+    assert [target for name, target in cell.acts if name == "sort"] == [reject_bin or 0] * 2
+
+
+def test_empty_place_is_confirmed_from_elsewhere_then_skipped(tmp_path: Path) -> None:
+    cell = ScriptedCell(PAPER)
+    scans = [[EMPTY, 1], [EMPTY, 1], [1, None]]
+    report, entries = run(tmp_path, cell, scans, LookOnceEach(), objects=2)
+    assert report.skipped == (0,)
+    assert [d.object for d in report.decisions] == [1]
+    skip = next(entry for entry in entries if entry.kind == "skip")
+    assert len(set(skip.data["viewpoints"])) == 2
+    assert cell.acts.count(("sort", 1)) == 1
+
+
+def test_emptiness_seen_upstream_travels_with_the_belt(tmp_path: Path) -> None:
+    scans = [[1, EMPTY], [1, EMPTY], [0, None]]
+    rules = Rules(max_looks=2)
+    report, _ = run(tmp_path, ScriptedCell(PAPER), scans, AlwaysLook(), objects=2, rules=rules)
+    assert report.skipped == (1,)
+
+
+def test_an_object_that_shows_again_is_not_empty(tmp_path: Path) -> None:
+    scans = [[EMPTY, None], [2, None]]
+    report, _ = run(tmp_path, ScriptedCell(PAPER), scans, LookOnceEach(), objects=1)
+    assert report.skipped == ()
+    assert [(d.object, d.looks) for d in report.decisions] == [(0, 2)]
+
+
+def test_impossible_labels_are_dropped_and_end_the_looking(tmp_path: Path) -> None:
+    # From p1, elongated at the belt end is never seen as mushroom, nor mushroom as anything impossible.
+    certain = beltsort.SortingModel(
+        PAPER.classes, PAPER.viewpoints, PAPER.p_obs, arrival=[1.0, 0.0, 0.0, 0.0]
+    )
+    cell = ScriptedCell(certain)
+    report, entries = run(tmp_path, cell, itertools.repeat([2, None]), AlwaysLook(), objects=1)
+    assert [(d.label, d.looks, d.forced) for d in report.decisions] == [(0, 3, "impossible_labels")]
+    dropped = [entry.data["dropped"] for entry in entries if entry.kind == "scan"]
+    assert dropped == [[{"position": 0, "label": 2, "probability": 0.0}]] * 3
+
+
+def test_unusable_scans_are_repeated_then_reported(tmp_path: Path) -> None:
+    scans = [UNUSABLE, [1, None], UNUSABLE, UNUSABLE, UNUSABLE]
+    with pytest.raises(CellError, match="3 scans in a row are unusable"):
+        run(tmp_path, ScriptedCell(PAPER), scans, LookOnceEach(), objects=2)
+    entries = read_journal(tmp_path / "journal.sqlite")
+    assert sum(entry.kind == "bad_scan" for entry in entries) == 4
+    assert "CellError" in entries[-1].data["reason"]
+
+
+@pytest.mark.parametrize("call", range(1, 7))
+def test_interrupt_leaves_a_complete_journal(tmp_path: Path, call: int) -> None:
+    cell = ScriptedCell(PAPER, interrupt_at=call)
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path, cell, itertools.repeat([1, 1]), LookOnceEach(), objects=3)
+    entries = read_journal(tmp_path / "journal.sqlite")
+    assert entries[-1].kind == "end"
+    assert "KeyboardInterrupt" in entries[-1].data["reason"]
+    intents = {e.data["command_id"] for e in entries if e.kind == "intent"}
+    outcomes = [e.data for e in entries if e.kind == "outcome"]
+    assert intents == {o["command_id"] for o in outcomes}
+    assert [o["done"] for o in outcomes] == [True] * call + [False]
+
+
+def test_cell_and_model_must_agree(tmp_path: Path) -> None:
+    cell = ScriptedCell(PAPER.with_positions(1))
+    with Journal(tmp_path / "j") as journal, pytest.raises(CellError, match="positions are 1"):
+        sort_objects(cell, scripted([]), AlwaysLook(), PAPER, journal, objects=1)
+
+
+def test_a_plan_is_journalled_with_its_reasons(tmp_path: Path) -> None:
+    planner = beltsort.Despot(PAPER, trials=2, scenarios=50)
+    _, entries = run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), planner, objects=1)
+    plans = [entry.data for entry in entries if entry.kind == "plan"]
+    assert plans[0]["action"].startswith("Move")
+    assert set(plans[0]) == {"action", "values", "lower", "upper", "trials"}
+    assert len(plans[0]["values"]) == 7
