@@ -1,8 +1,8 @@
 """Sorting objects from a conveyor belt by active perception.
 
-A robot looks at the last positions of a belt through an unreliable classifier; beltsort plans where to look next and
-when to decide. Follows Mezei, Tamás & Buşoniu, "Sorting objects from a conveyor belt using active perception with a
-POMDP model", ECC 2019.
+A robot looks at the last positions of a belt through an unreliable classifier; beltsort plans where to look
+next and when to decide. Follows Mezei, Tamás & Buşoniu, "Sorting objects from a conveyor belt using active
+perception with a POMDP model", ECC 2019.
 """
 
 from beltsort._core import (
@@ -23,6 +23,7 @@ from beltsort._core import (
     __version__,
     evaluate,
 )
+from beltsort.policy import Policy
 
 __all__ = [
     "ArgumentError",
@@ -36,6 +37,7 @@ __all__ = [
     "ModelError",
     "Move",
     "Plan",
+    "Policy",
     "PolicyError",
     "SortingModel",
     "Threshold",

@@ -1,0 +1,52 @@
+"""The command line: one file per command.
+
+A command's file has `add_parser(subparsers)`, which sets `run`, a function of the arguments that returns the
+exit code, as a default of its parser. Results go to standard output, everything else to standard error.
+"""
+
+import shlex
+import sys
+from argparse import ArgumentParser
+from collections.abc import Sequence
+
+from beltsort import BeltsortError, __version__
+from beltsort.cli import demo, evaluate, info, plan
+
+COMMANDS = (demo, info, plan, evaluate)
+FAILED, INTERRUPTED = 2, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    argv
+        Arguments without the program's name; those of the process if missing.
+
+    Returns
+    -------
+    int
+        Exit code: 0, 2 for an error (of usage, too), 130 when interrupted.
+    """
+    given = sys.argv[1:] if argv is None else list(argv)
+    arguments = parser().parse_args(given)
+    arguments.command_line = shlex.join(["beltsort", *given])
+    try:
+        code: int = arguments.run(arguments)
+    except (BeltsortError, OSError) as error:
+        print("beltsort: error:", " ".join(str(error).split()), file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    return code
+
+
+def parser() -> ArgumentParser:
+    """Return the parser of all commands."""
+    top = ArgumentParser("beltsort", description="Sort objects from a conveyor belt by active perception.")
+    top.add_argument("--version", action="version", version=f"beltsort {__version__}")
+    subparsers = top.add_subparsers(metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        command.add_parser(subparsers)
+    return top

@@ -1,8 +1,19 @@
 //! Models and oracles for the tests of several rooms.
 
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use crate::model::{ModelSpec, SortingModel};
+
+/// Property tests draw the same cases on every machine.
+pub(crate) fn seeded(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(2019),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
 
 /// The paper's model, with another penalty.
 pub(crate) fn paper(r_min: f64) -> SortingModel {

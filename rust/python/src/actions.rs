@@ -12,8 +12,8 @@ use crate::errors::PolicyError;
 /// Parameters
 /// ----------
 /// viewpoint : int
-///     Index of the viewpoint. Whether the model has it, and whether a move may reach it, is checked where the
-///     action is used.
+///     Index of the viewpoint. Whether the model has it, and whether a move may reach it, is checked where
+///     the action is used.
 ///
 /// Raises
 /// ------

@@ -13,16 +13,16 @@ use crate::model::PySortingModel;
 
 /// The factored belief: one distribution over the L classes per belt position, H of them.
 ///
-/// Objects are independent and each label depends on its own object only, so the product of these distributions
-/// is the exact posterior. A belief changes in place; `copy` it to keep one.
+/// Objects are independent and each label depends on its own object only, so the product of these
+/// distributions is the exact posterior. A belief changes in place; `copy` it to keep one.
 ///
 /// Parameters
 /// ----------
 /// model : SortingModel
 ///     Gives the shape, the observation tables and the arrival prior.
 /// probabilities : array_like, shape (H, L), optional
-///     One distribution per position, the belt end first; rows may miss 1 by 1e-6 and are normalised. The arrival
-///     prior at every position if missing. A probability of 0 is for ever: no label can raise it.
+///     One distribution per position, the belt end first; rows may miss 1 by 1e-6 and are normalised. The
+///     arrival prior at every position if missing. A probability of 0 is for ever: no label can raise it.
 ///
 /// Raises
 /// ------
@@ -50,6 +50,18 @@ pub struct PyBelief {
     pub model: Arc<SortingModel>,
 }
 
+impl PyBelief {
+    /// Refuse to be asked about another model than this belief was made for.
+    pub fn check_is_of(&self, model: &Arc<SortingModel>) -> PyResult<()> {
+        if Arc::ptr_eq(&self.model, model) || self.model == *model {
+            return Ok(());
+        }
+        Err(ArgumentError::new_err(
+            "the belief is of another model than the policy; make it with Belief(policy.model)",
+        ))
+    }
+}
+
 #[pymethods]
 impl PyBelief {
     #[new]
@@ -57,8 +69,10 @@ impl PyBelief {
     fn new(model: &PySortingModel, probabilities: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let belief = match probabilities {
             None => Belief::new(&model.0),
-            Some(value) => Belief::from_rows(&model.0, &rows("probabilities", value).map_err(ArgumentError::new_err)?)
-                .map_err(to_python)?,
+            Some(value) => {
+                Belief::from_rows(&model.0, &rows("probabilities", value).map_err(ArgumentError::new_err)?)
+                    .map_err(to_python)?
+            }
         };
         Ok(Self { belief, model: Arc::clone(&model.0) })
     }
@@ -101,7 +115,8 @@ impl PyBelief {
         Ok(Array2::from_shape_fn(self.belief.shape(), |(j, z)| predicted[(z, j)]).into_pyarray(py))
     }
 
-    /// Bayes' rule for one scan: `b[j, c]` becomes proportional to `b[j, c] p_obs[j, viewpoint, c, labels[j]]`.
+    /// Bayes' rule for one scan: `b[j, c]` becomes proportional to `b[j, c] p_obs[j, viewpoint, c,
+    /// labels[j]]`.
     ///
     /// Parameters
     /// ----------
@@ -128,7 +143,8 @@ impl PyBelief {
         self.belief.observe(&self.model, index("viewpoint", viewpoint)?, &labels).map_err(to_python)
     }
 
-    /// The belt advances: each position takes over the distribution behind it, the last one the arrival prior.
+    /// The belt advances: each position takes over the distribution behind it, the last one the arrival
+    /// prior.
     ///
     /// References
     /// ----------

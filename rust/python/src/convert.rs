@@ -1,7 +1,8 @@
 //! From Python's numbers and arrays to those of the core.
 
 use beltsort_core::{ScalarOrMatrix, Tables};
-use numpy::{AllowTypeChange, PyArrayLikeDyn};
+use numpy::ndarray::Array4;
+use numpy::{AllowTypeChange, Element, IntoPyArray, PyArray4, PyArrayLikeDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyAny;
 
@@ -23,8 +24,8 @@ pub fn count(name: &str, value: i64) -> PyResult<usize> {
 }
 
 /// A seed as Python gives it.
-pub fn seed(value: &Bound<'_, PyAny>) -> PyResult<u64> {
-    value.extract().map_err(|_| {
+pub fn seed(value: i128) -> PyResult<u64> {
+    u64::try_from(value).map_err(|_| {
         ArgumentError::new_err(format!("seed = {value}; give a whole number from 0 to {}", u64::MAX))
     })
 }
@@ -82,6 +83,27 @@ pub fn whole(name: &str, value: f64) -> Result<u64, String> {
         return Ok(value as u64);
     }
     Err(format!("{name} holds {value}; expected whole numbers, not negative"))
+}
+
+/// Lists of viewpoints.
+pub fn travel(lists: Vec<Vec<i64>>) -> PyResult<Vec<Vec<usize>>> {
+    let index = |to: i64| {
+        usize::try_from(to).map_err(|_| {
+            ModelError::new_err(format!("travel lists viewpoint {to}; viewpoints are numbered from 0"))
+        })
+    };
+    lists.into_iter().map(|reached| reached.into_iter().map(index).collect()).collect()
+}
+
+/// Tables as a read-only array.
+pub fn read_only<'py, T: Element + Copy>(
+    py: Python<'py>,
+    tables: &Tables<T>,
+) -> PyResult<Bound<'py, PyArray4<T>>> {
+    let shape = (tables.len(), tables[0].len(), tables[0][0].len(), tables[0][0][0].len());
+    let array = Array4::from_shape_fn(shape, |(j, v, c, z)| tables[j][v][c][z]).into_pyarray(py);
+    array.call_method1("setflags", (false,))?;
+    Ok(array)
 }
 
 fn array<'py>(

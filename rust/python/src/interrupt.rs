@@ -26,8 +26,8 @@ impl Policy for Stoppable<'_> {
     }
 }
 
-/// Do `work` on another thread with the GIL released, while this one handles Python's signals; a handler's exception
-/// sets `stop` and is returned once the work has ended.
+/// Do `work` on another thread with the GIL released, while this one handles Python's signals; a handler's
+/// exception sets `stop` and is returned once the work has ended.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     stop: &AtomicBool,
@@ -44,7 +44,7 @@ pub fn interruptible<T: Send>(
             let mut signals = Ok(());
             while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(SIGNAL_POLL) {
                 if signals.is_ok() {
-                    signals = Python::attach(|py| py.check_signals());
+                    signals = Python::attach(handle_signals);
                     stop.store(signals.is_err(), Ordering::Relaxed);
                 }
             }
@@ -52,4 +52,8 @@ pub fn interruptible<T: Send>(
             signals.map(|()| result)
         })
     })
+}
+
+fn handle_signals(py: Python<'_>) -> PyResult<()> {
+    py.check_signals()
 }

@@ -1,14 +1,21 @@
 //! The Python face of `beltsort-core`: one file per public type, no logic.
 
+// Python shows these docs: they are numpydoc, not Markdown.
+#![allow(clippy::doc_markdown, clippy::doc_link_with_quotes)]
+
 mod actions;
 mod belief;
+mod budget;
 mod convert;
+mod despot;
 mod errors;
+mod evaluate;
 mod evaluation;
 mod interrupt;
 mod model;
-mod planner;
+mod plan;
 mod policies;
+mod user_policy;
 
 use pyo3::prelude::*;
 
@@ -19,12 +26,12 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<actions::Decide>()?;
     module.add_class::<model::PySortingModel>()?;
     module.add_class::<belief::PyBelief>()?;
-    module.add_class::<planner::PyDespot>()?;
-    module.add_class::<planner::PyPlan>()?;
+    module.add_class::<despot::PyDespot>()?;
+    module.add_class::<plan::PyPlan>()?;
     module.add_class::<policies::PyThreshold>()?;
     module.add_class::<policies::PyInformationGain>()?;
     module.add_class::<evaluation::PyEvaluation>()?;
-    module.add_function(wrap_pyfunction!(evaluation::evaluate, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("BUILD_PROFILE", if cfg!(debug_assertions) { "debug" } else { "release" })
 }

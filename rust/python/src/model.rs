@@ -3,15 +3,72 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use beltsort_core::{ModelSpec, SortingModel, Tables};
-use numpy::ndarray::{Array2, Array4};
-use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray4};
+use beltsort_core::{ModelSpec, SortingModel};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4};
 use pyo3::prelude::*;
 
-use crate::convert::{scalar_or_matrix, tables};
+use crate::convert::{self, count, read_only, scalar_or_matrix, tables};
 use crate::errors::to_python;
 
-/// The sorting POMDP: sets, observation tables, rewards and travel.
+/// The sorting POMDP: sets, observation tables, rewards and travel. It does not change once made.
+///
+/// L classes, K viewpoints, and H belt positions that one scan sees at once, position 0 at the belt end. The
+/// parameters are the keys of a model file.
+///
+/// Parameters
+/// ----------
+/// classes : sequence of str, length L
+///     Names `c_1..c_L`, at least two, unique.
+/// viewpoints : sequence of str, length K
+///     Names `p_1..p_K`, unique.
+/// p_obs : array_like, shape (H, K, L, L)
+///     `o^j(z | p', c)` as ``p_obs[j, viewpoint, true, observed]``. Rows may miss 1 by 1e-6: they are kept as
+///     given and normalised in the arithmetic. A 0 makes a belief irrevocable.
+/// r_max : float
+///     Reward of a right decision.
+/// r_min : float
+///     Penalty of a wrong decision, above 0. Too large, and looking for ever is optimal.
+/// motion_cost : float or array_like, shape (K, K)
+///     Cost of a move, or ``motion_cost[start, end]``; 1 if missing. Too large, and deciding unseen is
+///     optimal.
+/// discount : float
+///     `gamma`, per planner step, strictly between 0 and 1. Nearer to 1 means searching deeper for the same
+///     error.
+/// arrival : sequence of float, length L
+///     Prior of the class of an arriving object; uniform if missing.
+/// travel : sequence of sequence of int, length K
+///     ``travel[k]`` lists the viewpoints that one move from k reaches, k itself included if it may scan
+///     again from there; all if missing. An empty list leaves only decisions.
+/// observe_after_decision : bool
+///     Must be False: nothing is observed after a decision.
+/// repeat : float
+///     Must be 0 or missing: labels are independent given the class.
+/// counts : array_like of int, shape (H, K, L, L)
+///     The label counts behind `p_obs`, for the record.
+/// smoothing : float
+///     The pseudo-count that was added to each entry of `counts`, for the record.
+/// note : str
+///     Free text.
+///
+/// Raises
+/// ------
+/// ModelError
+///     Naming the first value that does not fit, what was expected, and the remedy.
+///
+/// References
+/// ----------
+/// Mezei, Tamás & Buşoniu, "Sorting objects from a conveyor belt using active perception with a POMDP model",
+/// ECC 2019, eq. 1-6.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]], r_min=20)
+/// >>> model.p_obs.shape
+/// (1, 1, 2, 2)
+/// >>> beltsort.SortingModel.from_json(model.to_json()) == model
+/// True
 #[pyclass(frozen, eq, name = "SortingModel", module = "beltsort")]
 #[derive(Clone, PartialEq)]
 pub struct PySortingModel(pub Arc<SortingModel>);
@@ -27,7 +84,7 @@ impl PySortingModel {
     #[new]
     #[pyo3(signature = (classes, viewpoints, p_obs, *, r_max=10.0, r_min=50.0, motion_cost=None, discount=0.95,
                         arrival=None, travel=None, observe_after_decision=false, repeat=None, counts=None,
-                        smoothing=None, note=String::new()))]
+                        smoothing=None, note=""))]
     #[allow(clippy::too_many_arguments)] // the keys of a model file
     fn new(
         classes: Vec<String>,
@@ -38,12 +95,12 @@ impl PySortingModel {
         motion_cost: Option<&Bound<'_, PyAny>>,
         discount: f64,
         arrival: Option<Vec<f64>>,
-        travel: Option<Vec<Vec<usize>>>,
+        travel: Option<Vec<Vec<i64>>>,
         observe_after_decision: bool,
         repeat: Option<&Bound<'_, PyAny>>,
         counts: Option<&Bound<'_, PyAny>>,
         smoothing: Option<f64>,
-        note: String,
+        note: &str,
     ) -> PyResult<Self> {
         let mut spec = ModelSpec::new(classes, viewpoints, tables("p_obs", p_obs)?);
         if let Some(cost) = motion_cost {
@@ -53,100 +110,174 @@ impl PySortingModel {
         spec.r_min = r_min;
         spec.discount = discount;
         spec.arrival = arrival;
-        spec.travel = travel;
+        spec.travel = travel.map(convert::travel).transpose()?;
         spec.observe_after_decision = observe_after_decision;
         spec.repeat = repeat.map(|value| scalar_or_matrix("repeat", value)).transpose()?;
-        spec.counts = counts.map(|value| tables("counts", value)).transpose()?;
+        spec.counts = counts.map(convert::counts).transpose()?;
         spec.smoothing = smoothing;
-        spec.note = note;
+        spec.note = note.into();
         Self::checked(spec)
     }
 
+    /// Read a model file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     A JSON file with the constructor's parameters as keys.
+    ///
+    /// Returns
+    /// -------
+    /// SortingModel
+    ///     The model.
+    ///
+    /// Raises
+    /// ------
+    /// ModelError
+    ///     If the file cannot be read, is not JSON, has an unknown key, lacks one, or holds no sorting model.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         Self::checked(ModelSpec::load(&path).map_err(to_python)?)
     }
 
+    /// Read the text of a model file.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     JSON.
+    ///
+    /// Returns
+    /// -------
+    /// SortingModel
+    ///     The model.
+    ///
+    /// Raises
+    /// ------
+    /// ModelError
+    ///     As `load`.
     #[staticmethod]
     fn from_json(text: &str) -> PyResult<Self> {
         Self::checked(ModelSpec::from_json(text).map_err(to_python)?)
     }
 
+    /// The model file as text, JSON.
     fn to_json(&self) -> PyResult<String> {
         self.0.spec().to_json().map_err(to_python)
     }
 
+    /// Write a model file; `load` gives an equal model back.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     Where to write; an existing file is replaced.
+    ///
+    /// Raises
+    /// ------
+    /// ModelError
+    ///     If the file cannot be written.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         self.0.spec().save(&path).map_err(to_python)
     }
 
+    /// Names of the classes, list of length L.
     #[getter]
     fn classes(&self) -> Vec<String> {
         self.0.spec().classes.clone()
     }
 
+    /// Names of the viewpoints, list of length K.
     #[getter]
     fn viewpoints(&self) -> Vec<String> {
         self.0.spec().viewpoints.clone()
     }
 
+    /// H, the number of belt positions that one scan sees.
     #[getter]
     fn positions(&self) -> usize {
         self.0.position_count()
     }
 
+    /// Observation tables as given, read-only float64 of shape (H, K, L, L).
     #[getter]
     fn p_obs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f64>>> {
-        array(py, &self.0.spec().p_obs)
+        read_only(py, &self.0.spec().p_obs)
     }
 
+    /// The label counts behind `p_obs`, read-only uint64 of shape (H, K, L, L), or None.
     #[getter]
     fn counts<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray4<u64>>>> {
-        self.0.spec().counts.as_ref().map(|counts| array(py, counts)).transpose()
+        self.0.spec().counts.as_ref().map(|counts| read_only(py, counts)).transpose()
     }
 
+    /// Reward of a right decision.
     #[getter]
     fn r_max(&self) -> f64 {
         self.0.spec().r_max
     }
 
+    /// Penalty of a wrong decision, above 0.
     #[getter]
     fn r_min(&self) -> f64 {
         self.0.spec().r_min
     }
 
+    /// `gamma`, per planner step.
     #[getter]
     fn discount(&self) -> f64 {
         self.0.discount()
     }
 
+    /// The pseudo-count that was added to each entry of `counts`, or None.
     #[getter]
     fn smoothing(&self) -> Option<f64> {
         self.0.spec().smoothing
     }
 
+    /// Free text.
     #[getter]
     fn note(&self) -> &str {
         &self.0.spec().note
     }
 
+    /// Prior of the class of an arriving object, float64 of shape (L,); sums to 1.
     #[getter]
     fn arrival<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.0.arrival().iter().copied().collect::<Vec<_>>().into_pyarray(py)
     }
 
+    /// Cost of each move, float64 of shape (K, K), ``[start, end]``.
     #[getter]
     fn motion_cost<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let k = self.0.viewpoint_count();
         Array2::from_shape_fn((k, k), |(from, to)| self.0.motion_cost(from, to)).into_pyarray(py)
     }
 
+    /// The viewpoints that one move reaches, one ascending list per viewpoint.
     #[getter]
     fn travel(&self) -> Vec<Vec<usize>> {
         (0..self.0.viewpoint_count()).map(|from| self.0.legal_moves(from).to_vec()).collect()
     }
 
-    fn with_positions(&self, positions: usize) -> PyResult<Self> {
+    /// The same model with the first belt positions only.
+    ///
+    /// Parameters
+    /// ----------
+    /// positions : int
+    ///     How many to keep, 1 to H.
+    ///
+    /// Returns
+    /// -------
+    /// SortingModel
+    ///     The smaller model.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For less than 1 or more than H.
+    fn with_positions(&self, positions: i64) -> PyResult<Self> {
+        let positions = count("positions", positions)?;
         Ok(Self(Arc::new(self.0.with_positions(positions).map_err(to_python)?)))
     }
 
@@ -167,12 +298,4 @@ impl PySortingModel {
         let from_json = py.get_type::<Self>().getattr("from_json")?.unbind();
         Ok((from_json, (self.to_json()?,)))
     }
-}
-
-/// Tables as a read-only array.
-fn array<'py, T: Element + Copy>(py: Python<'py>, tables: &Tables<T>) -> PyResult<Bound<'py, PyArray4<T>>> {
-    let shape = (tables.len(), tables[0].len(), tables[0][0].len(), tables[0][0][0].len());
-    let array = Array4::from_shape_fn(shape, |(j, v, c, z)| tables[j][v][c][z]).into_pyarray(py);
-    array.call_method1("setflags", (false,))?;
-    Ok(array)
 }

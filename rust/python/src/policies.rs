@@ -7,12 +7,35 @@ use pyo3::prelude::*;
 
 use crate::actions;
 use crate::belief::PyBelief;
-use crate::convert::index;
+use crate::convert::{count, index};
 use crate::errors::to_python;
 use crate::model::PySortingModel;
-use crate::planner::same_model;
 
-/// Look from one viewpoint until a class is likely enough.
+/// Look from one viewpoint until the belt end's most likely class is likely enough.
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     The problem.
+/// threshold : float
+///     Decide once the most likely class has this probability, above 0 and at most 1. Too near 1, and no
+///     decision may ever be reached: `max_looks` of `evaluate` then forces one.
+/// viewpoint : int, optional
+///     Index of the viewpoint to look from, reached by the fewest moves; if missing, the one whose scan tells
+///     most about an object that has just arrived.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For a threshold outside (0, 1] or an unknown viewpoint.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+/// >>> policy = beltsort.Threshold(model, 0.75)
+/// >>> policy.act(beltsort.Belief(model, [[0.25, 0.75]]), 0)
+/// Decide(label=1)
 #[pyclass(frozen, name = "Threshold", module = "beltsort")]
 pub struct PyThreshold {
     pub policy: Threshold,
@@ -29,17 +52,59 @@ impl PyThreshold {
         Ok(Self { policy, model: Arc::clone(&model.0) })
     }
 
+    /// Decide at the threshold, move below it.
+    ///
+    /// Parameters
+    /// ----------
+    /// belief : Belief
+    ///     What is known of the objects; made for the policy's model, or an equal one.
+    /// viewpoint : int
+    ///     Where the camera stands.
+    ///
+    /// Returns
+    /// -------
+    /// Move or Decide
+    ///     The action; a decision too where no move is legal.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a belief of another model or an unknown viewpoint.
     fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: i64) -> PyResult<Py<PyAny>> {
         act(py, &self.policy, &self.model, &belief, viewpoint)
     }
 
+    /// The model that the policy was made for.
     #[getter]
     fn model(&self) -> PySortingModel {
         PySortingModel(Arc::clone(&self.model))
     }
 }
 
-/// Look from where most is learnt until a class is likely enough.
+/// Look from where most is learnt until the belt end's most likely class is likely enough.
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     The problem.
+/// threshold : float
+///     As for `Threshold`.
+/// positions : int
+///     The gain of a look is the expected drop of entropy, summed over this many positions from the belt end,
+///     1 to H. With many, objects far from their decision outvote the one at the belt end.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For a threshold outside (0, 1] or positions outside 1 to H.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> blind, sharp = [[0.5, 0.5], [0.5, 0.5]], [[0.9, 0.1], [0.1, 0.9]]
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["below", "front"], [[blind, sharp]])
+/// >>> beltsort.InformationGain(model, 0.95).act(beltsort.Belief(model), 0)
+/// Move(viewpoint=1)
 #[pyclass(frozen, name = "InformationGain", module = "beltsort")]
 pub struct PyInformationGain {
     pub policy: InformationGain,
@@ -51,15 +116,34 @@ impl PyInformationGain {
     #[new]
     #[pyo3(signature = (model, threshold, positions=1))]
     fn new(model: &PySortingModel, threshold: f64, positions: i64) -> PyResult<Self> {
-        let positions = index("positions", positions)?;
+        let positions = count("positions", positions)?;
         let policy = InformationGain::new(&model.0, threshold, positions).map_err(to_python)?;
         Ok(Self { policy, model: Arc::clone(&model.0) })
     }
 
+    /// Decide at the threshold, move below it.
+    ///
+    /// Parameters
+    /// ----------
+    /// belief : Belief
+    ///     What is known of the objects; made for the policy's model, or an equal one.
+    /// viewpoint : int
+    ///     Where the camera stands.
+    ///
+    /// Returns
+    /// -------
+    /// Move or Decide
+    ///     The action; a decision too where no move is legal.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a belief of another model or an unknown viewpoint.
     fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: i64) -> PyResult<Py<PyAny>> {
         act(py, &self.policy, &self.model, &belief, viewpoint)
     }
 
+    /// The model that the policy was made for.
     #[getter]
     fn model(&self) -> PySortingModel {
         PySortingModel(Arc::clone(&self.model))
@@ -73,7 +157,7 @@ fn act(
     belief: &PyBelief,
     viewpoint: i64,
 ) -> PyResult<Py<PyAny>> {
-    same_model(belief, model)?;
+    belief.check_is_of(model)?;
     let action = policy.act(&belief.belief, index("viewpoint", viewpoint)?).map_err(to_python)?;
     actions::to_python(py, action)
 }

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::testing::{paper, small_models};
+use crate::testing::{paper, seeded, small_models};
 
 /// The joint distribution over the classes of all positions: the belief without the factoring.
 struct Joint {
@@ -59,6 +59,8 @@ impl Joint {
 }
 
 proptest! {
+    #![proptest_config(seeded(256))]
+
     #[test]
     fn factored_belief_is_the_joint_one(
         spec in small_models(),

@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::belief::Belief;
-use crate::testing::small_models;
+use crate::testing::{seeded, small_models};
 
 const DEPTH: usize = 5;
 const DISCOUNT: f64 = 0.5;
@@ -48,7 +48,7 @@ fn probability(model: &SortingModel, belief: &Belief, viewpoint: usize, labels: 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(seeded(12))]
 
     #[test]
     fn bounds_at_exact_beliefs_bracket_the_exact_value(

@@ -43,14 +43,12 @@ impl Search<'_> {
                 Action::Move(_) => values.push((edge.action, edge.lower)),
             }
         }
-        // Regularisation takes its price from the bounds; the default policy's value is free of it.
-        let regularised = self.despot.config.regularization > 0.0;
         Plan {
             action: self.best_action(),
             values,
             lower: root.lower,
             upper: root.upper,
-            certified_lower: if regularised { root.default } else { root.lower },
+            certified_lower: if self.regularised() { root.default } else { root.lower },
             certified_upper: bounds::upper(&self.despot.model, &root.belief, root.viewpoint),
             trials: self.trials,
             elapsed: self.start.elapsed(),
@@ -60,7 +58,13 @@ impl Search<'_> {
         }
     }
 
-    /// The action with the highest lower bound; the default policy's own if no planned one is better.
+    /// Whether the bounds are lowered by a price per policy node; the default policy's value never is.
+    fn regularised(&self) -> bool {
+        self.despot.config.regularization > 0.0
+    }
+
+    /// The action with the highest lower bound; the default policy's own if regularisation finds no planned one
+    /// worth its price.
     fn best_action(&self) -> Action {
         let root = &self.tree.nodes[0];
         let mut best = None;
@@ -70,7 +74,7 @@ impl Search<'_> {
             }
         }
         match best {
-            Some((action, lower)) if lower >= root.default => action,
+            Some((action, lower)) if lower >= root.default || !self.regularised() => action,
             _ => self.despot.default_policy.action(&self.despot.model, &root.belief, root.viewpoint),
         }
     }

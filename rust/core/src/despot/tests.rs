@@ -5,7 +5,7 @@ use crate::belief::most_likely;
 use crate::bounds::Look;
 use crate::model::{Action, ModelSpec};
 use crate::scenario::{ScanPoint, labels};
-use crate::testing::{from_weights, paper, small_models};
+use crate::testing::{from_weights, paper, seeded, small_models};
 
 /// The optimum of the sampled, regularised problem by plain recursion over its whole tree.
 ///
@@ -73,7 +73,7 @@ fn config(scenarios: usize, regularization: f64, depth: usize) -> DespotConfig {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(seeded(24))]
 
     #[test]
     fn bounds_bracket_the_sampled_optimum_tighten_and_reach_it(

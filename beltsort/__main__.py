@@ -1,0 +1,7 @@
+"""`python -m beltsort`."""
+
+import sys
+
+from beltsort.cli import main
+
+sys.exit(main())

@@ -1,0 +1,60 @@
+"""Arguments that several commands share."""
+
+from argparse import ArgumentParser, _SubParsersAction
+from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import TypeAlias
+
+from beltsort import ArgumentError
+
+Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
+
+
+def add_json(parser: ArgumentParser) -> None:
+    """Add `--json`, which every command has."""
+    parser.add_argument("--json", action="store_true", help="print exactly one JSON object")
+
+
+def add_model(parser: ArgumentParser) -> None:
+    """Add the model file."""
+    parser.add_argument("model", metavar="MODEL", help="a model file (JSON)")
+
+
+def add_budget(parser: ArgumentParser) -> None:
+    """Add the two ways to say how long one plan may take."""
+    budget = parser.add_mutually_exclusive_group()
+    budget.add_argument("--trials", type=int, metavar="N", help="trials per plan: reproducible")
+    budget.add_argument("--seconds", type=float, metavar="S", help="seconds per plan (default: 0.01)")
+
+
+def index_of(text: str, names: Sequence[str], what: str) -> int:
+    """Find a name, or a number in its place.
+
+    Parameters
+    ----------
+    text
+        What the user wrote.
+    names
+        The names that there are.
+    what
+        What they name, for the message.
+
+    Returns
+    -------
+    int
+        Index into `names`.
+
+    Raises
+    ------
+    ArgumentError
+        Listing the names, the nearest one first, if `text` is none of them and no index either.
+    """
+    if text in names:
+        return names.index(text)
+    if text.isdecimal() and int(text) < len(names):
+        return int(text)
+    nearest = get_close_matches(text, names, n=1, cutoff=0.0)
+    raise ArgumentError(
+        f"there is no {what} {text!r}; did you mean {nearest[0]!r}? "
+        f"Known: {', '.join(names)}, or 0 to {len(names) - 1}"
+    )

@@ -1,0 +1,137 @@
+"""`beltsort demo`: the main job on the simulated cell."""
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.output import print_json
+from beltsort.journal import Listener
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from beltsort.experiments.demo import DemoResult
+    from beltsort.tables.collect import Progress
+    from beltsort.tables.prepare import Prepared, StageProgress
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "demo",
+        help="sort ten bulbs from simulated depth scans",
+        description="Train the classifier, estimate the observation tables, then sort ten bulbs from depth "
+        "scans. Training and tables are made once and cached.",
+    )
+    parser.add_argument(
+        "--seed", type=int, default=0, help="seed of objects, sensor noise and planner (default 0)"
+    )
+    parser.add_argument(
+        "--objects-per-row",
+        type=int,
+        default=100,
+        metavar="N",
+        help="independent objects per row of the observation tables (default 100)",
+    )
+    parser.add_argument(
+        "--training-objects",
+        type=int,
+        default=40,
+        metavar="N",
+        help="objects per class, viewpoint and position that the classifier is trained on (default 40)",
+    )
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console
+
+    from beltsort.experiments.demo import as_json, new_run_folder, run_demo
+    from beltsort.tables.prepare import prepare
+
+    console = Console(stderr=arguments.json, highlight=False, soft_wrap=True)
+    folder = new_run_folder(Path("runs"))
+    with _stages(console) as stage:
+        prepared = prepare(
+            training_objects=arguments.training_objects,
+            table_objects=arguments.objects_per_row,
+            progress=stage,
+        )
+    _tell_tables(console, prepared)
+    with _listener(console) as listener:
+        result = run_demo(prepared, arguments.seed, folder, listener)
+    _tell_result(console, result)
+    if arguments.json:
+        print_json(as_json(result, arguments.seed))
+    return 0
+
+
+@contextmanager
+def _stages(console: "Console") -> "Iterator[StageProgress]":
+    """Yield what starts a progress bar, or plain lines every tenth where there is no terminal."""
+    if not console.is_terminal:
+        yield lambda name: _plain_progress(console, name)
+        return
+    from rich import progress as rich_progress
+
+    columns = (
+        rich_progress.TextColumn("{task.description:<9}"),
+        rich_progress.BarColumn(),
+        rich_progress.TimeElapsedColumn(),
+        rich_progress.TimeRemainingColumn(),
+    )
+    with rich_progress.Progress(*columns, console=console) as bars:
+
+        def start(name: str) -> "Progress":
+            task = bars.add_task(name, total=None)
+            return lambda done, total: bars.update(task, completed=done, total=total)
+
+        yield start
+
+
+def _plain_progress(console: "Console", name: str) -> "Progress":
+    def report(done: int, total: int) -> None:
+        if done * 10 // total > (done - 1) * 10 // total:
+            console.print(f"{name} {100 * done // total} %")
+
+    return report
+
+
+@contextmanager
+def _listener(console: "Console") -> Iterator[Listener]:
+    """Yield what shows the run: a live view, or a line per event where there is no terminal."""
+    if console.is_terminal:
+        from beltsort.cli.live import LiveView
+
+        with LiveView(console) as view:
+            yield view
+        return
+    from beltsort.cli.narrate import Narrator
+
+    narrator = Narrator()
+    yield lambda entry: console.print(line) if (line := narrator.line(entry)) else None
+
+
+def _tell_tables(console: "Console", prepared: "Prepared") -> None:
+    from beltsort.cell.simulated import CellConfig
+    from beltsort.tables import agreement_text, table_one, table_two
+
+    config = CellConfig()
+    names = [viewpoint.name for viewpoint in config.viewpoints]
+    tables = prepared.counts.probabilities(1.0)
+    where = "from the cache" if prepared.cached else "estimated now"
+    console.print(f"observation tables {where}: {prepared.objects} scans per row, each of another object")
+    console.print(table_one(tables, config.classes, names, true=0), markup=False)
+    console.print(table_two(tables, config.classes, names, trues=(0, 1)), markup=False)
+    console.print(agreement_text(prepared.counts, names), markup=False)
+
+
+def _tell_result(console: "Console", result: "DemoResult") -> None:
+    decided = len(result.report.decisions)
+    console.print(f"{result.correct} of {decided} right in {result.report.steps} steps")
+    console.print(f"journal, model and picture: {result.folder}")

@@ -1,0 +1,60 @@
+"""`beltsort info`: what runs here."""
+
+import os
+import platform
+from argparse import Namespace
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from beltsort import __version__
+from beltsort._core import BUILD_PROFILE
+from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.output import print_json, print_table
+
+PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "rich")
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser("info", help="versions, build and threads")
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Print what runs here."""
+    facts = gather()
+    if arguments.json:
+        print_json(facts)
+        return 0
+    packages = facts.pop("packages")
+    rows = facts | {name: found or "not installed" for name, found in packages.items()}
+    print_table([(name.replace("_", " "), str(value)) for name, value in rows.items()])
+    return 0
+
+
+def gather() -> dict[str, Any]:
+    """Collect versions without importing the packages."""
+    return {
+        "beltsort": __version__,
+        "build_profile": BUILD_PROFILE,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "threads": threads(),
+        "packages": {name: installed(name) for name in PACKAGES},
+    }
+
+
+def threads() -> int:
+    """Count the processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def installed(package: str) -> str | None:
+    """Return the version of a package, if it is installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

@@ -1,0 +1,90 @@
+"""Journal entries in plain words, one line each."""
+
+import json
+from typing import Any
+
+from beltsort.journal import Entry
+
+
+class Narrator:
+    """Turns the entries of one run into lines of text; entries that say nothing new give none.
+
+    Attributes
+    ----------
+    classes, viewpoints
+        Names, known once the `start` entry has come.
+    belief
+        Belief after the last entry, rows of probabilities, the belt end first.
+    """
+
+    def __init__(self) -> None:
+        self.classes: list[str] = []
+        self.viewpoints: list[str] = []
+        self.belief: list[list[float]] = []
+        self._arrival: list[float] = []
+
+    def line(self, entry: Entry) -> str | None:
+        """Return what `entry` tells."""
+        match entry.kind:
+            case "start":
+                text = self._start(entry.data)
+            case "scan":
+                text = self._scan(entry.data)
+            case "bad_scan":
+                text = f"unusable scan: {entry.data['error']}"
+            case "decision":
+                text = self._decision(entry.data)
+            case "skip":
+                text = self._skip()
+            case _:
+                return None
+        return text if entry.object is None else f"object {entry.object + 1:>2}  {text}"
+
+    def why(self, plan: dict[str, Any]) -> str:
+        """Return the reason of a plan: the values of its best action and of the next best."""
+        if "values" not in plan:
+            return str(plan.get("why", ""))
+        best, *others = sorted(plan["values"].items(), key=lambda item: -item[1])
+        if not others:
+            return f"{self.name(best[0])} is the only legal action"
+        return f"{self.name(best[0])} is worth {best[1]:.2f}, {self.name(others[0][0])} {others[0][1]:.2f}"
+
+    def name(self, action: str) -> str:
+        """Return an action as the journal writes it, `Move(viewpoint=2)`, in words."""
+        kind, _, index = action.rstrip(")").partition("(")
+        number = int(index.partition("=")[2])
+        return f"look from {self.viewpoints[number]}" if kind == "Move" else f"decide {self.classes[number]}"
+
+    def likely(self, row: list[float]) -> str:
+        """Return the most likely class of one position and its probability."""
+        best = max(range(len(row)), key=row.__getitem__)
+        return f"{self.classes[best]} {row[best]:.2f}"
+
+    def _start(self, data: dict[str, Any]) -> str:
+        model = json.loads(data["model"])
+        self.classes, self.viewpoints = model["classes"], model["viewpoints"]
+        self._arrival = model.get("arrival") or [1.0 / len(self.classes)] * len(self.classes)
+        self.belief = [self._arrival] * len(model["p_obs"])
+        return f"sorting {data['objects']} objects: {', '.join(self.classes)}"
+
+    def _scan(self, data: dict[str, Any]) -> str:
+        seen = [
+            "empty" if empty else "?" if label is None else self.classes[label]
+            for label, empty in zip(data["labels"], data["empty"], strict=True)
+        ]
+        self.belief = data["belief"]
+        beliefs = " | ".join(self.likely(row) for row in self.belief)
+        return f"look from {self.viewpoints[data['viewpoint']]}: {' | '.join(seen)}  ->  {beliefs}"
+
+    def _decision(self, data: dict[str, Any]) -> str:
+        what = "reject" if data["label"] is None else f"decide {self.classes[data['label']]}"
+        forced = f", forced by {data['forced']}" if data["forced"] else ""
+        self._shift()
+        return f"{what}  (belief {data['belief']:.3f}, {data['looks']} looks{forced})"
+
+    def _skip(self) -> str:
+        self._shift()
+        return "nothing there, skipped"
+
+    def _shift(self) -> None:
+        self.belief = [*self.belief[1:], self._arrival]

@@ -1,0 +1,44 @@
+"""What the commands print."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from beltsort import Decide, Move, SortingModel
+
+
+def print_json(result: Mapping[str, Any]) -> None:
+    """Print one JSON object."""
+    print(json.dumps(result, indent=2, allow_nan=False))
+
+
+def number_or_none(value: float) -> float | None:
+    """Return the number, or None where JSON has no way to write it."""
+    return value if math.isfinite(value) else None
+
+
+def print_table(rows: Sequence[Sequence[str]]) -> None:
+    """Print rows in columns, the first one flush left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        first, *others = (cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+        print("  ".join(["", row[0].ljust(len(first)), *others]))
+
+
+def action_in_words(model: SortingModel, action: Move | Decide) -> str:
+    """Say what an action does."""
+    match action:
+        case Move(viewpoint):
+            return f"move to {model.viewpoints[viewpoint]} and scan"
+        case Decide(label):
+            return f"sort as {model.classes[label]}"
+
+
+def action_as_json(model: SortingModel, action: Move | Decide) -> dict[str, str]:
+    """Name an action and its object."""
+    match action:
+        case Move(viewpoint):
+            return {"move": model.viewpoints[viewpoint]}
+        case Decide(label):
+            return {"decide": model.classes[label]}

@@ -1,0 +1,102 @@
+"""`beltsort plan`: the next action, and why."""
+
+from argparse import Namespace
+
+from beltsort import ArgumentError, Belief, Despot, Plan, SortingModel
+from beltsort.cli.arguments import Subparsers, add_budget, add_json, add_model, index_of
+from beltsort.cli.output import action_as_json, action_in_words, print_json, print_table
+
+NOTHING_SEEN = "-"
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser("plan", help="the next action for what was seen so far, and why")
+    add_model(parser)
+    parser.add_argument(
+        "--observe",
+        action="append",
+        default=[],
+        metavar="P=LABEL,LABEL",
+        help="a scan: its viewpoint and a label per position, the belt end first, - where nothing was seen; "
+        "names or indices; repeat for further scans, in their order",
+    )
+    parser.add_argument(
+        "--viewpoint", metavar="P", help="where the camera stands (default: at the last scan, else the first)"
+    )
+    add_budget(parser)
+    parser.add_argument("--scenarios", type=int, default=500, metavar="N", help="default: 500")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the scenarios (default: 0)")
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Observe, plan and print."""
+    model = SortingModel.load(arguments.model)
+    belief, viewpoint = Belief(model), 0
+    for scan in arguments.observe:
+        viewpoint, labels = parse_scan(scan, model)
+        belief.observe(viewpoint, labels)
+    if arguments.viewpoint is not None:
+        viewpoint = index_of(arguments.viewpoint, model.viewpoints, "viewpoint")
+    planner = Despot(
+        model,
+        scenarios=arguments.scenarios,
+        seed=arguments.seed,
+        seconds=arguments.seconds,
+        trials=arguments.trials,
+    )
+    show = show_json if arguments.json else show_text
+    show(model, belief, viewpoint, planner.plan(belief, viewpoint))
+    return 0
+
+
+def parse_scan(text: str, model: SortingModel) -> tuple[int, list[int | None]]:
+    """Read one `P=LABEL,LABEL`."""
+    viewpoint, equals, labels = text.partition("=")
+    if not equals:
+        raise ArgumentError(f"--observe {text}: expected VIEWPOINT=LABEL,LABEL with a label per position")
+    return (
+        index_of(viewpoint, model.viewpoints, "viewpoint"),
+        [
+            None if label == NOTHING_SEEN else index_of(label, model.classes, "class")
+            for label in labels.split(",")
+        ],
+    )
+
+
+def show_json(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> None:
+    """Print the plan as one JSON object."""
+    print_json(
+        {
+            "viewpoint": model.viewpoints[viewpoint],
+            "belief": [dict(zip(model.classes, row, strict=True)) for row in belief.probabilities.tolist()],
+            "action": action_as_json(model, plan.action),
+            "values": [
+                {"action": action_as_json(model, action), "value": value}
+                for action, value in plan.values.items()
+            ],
+            "lower": plan.lower,
+            "upper": plan.upper,
+            "certified_lower": plan.certified_lower,
+            "certified_upper": plan.certified_upper,
+            "trials": plan.trials,
+            "seconds": plan.seconds,
+        }
+    )
+
+
+def show_text(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> None:
+    """Print the plan in words."""
+    print("Belief, position 0 at the belt end:")
+    rows = enumerate(belief.probabilities.tolist())
+    print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
+    print(f"\nThe camera stands at {model.viewpoints[viewpoint]}.")
+    print(f"Next: {action_in_words(model, plan.action)}.")
+    print("\nExpected discounted reward of each action, at least:")
+    best_first = sorted(plan.values.items(), key=lambda entry: -entry[1])
+    print_table([(action_in_words(model, action), f"{value:.3f}") for action, value in best_first])
+    print(f"\nThe search's own problem is worth {plan.lower:.3f} to {plan.upper:.3f}", end="; ")
+    print(f"the best possible policy earns {plan.certified_lower:.3f} to {plan.certified_upper:.3f}.")
+    print(f"{plan.trials} trials in {plan.seconds:.3f} s.")

@@ -1,0 +1,180 @@
+//! `Despot`.
+
+use std::sync::Arc;
+
+use beltsort_core::{Belief, Budget, BudgetedDespot, Despot, DespotConfig, Plan, SortingModel};
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+
+use crate::actions;
+use crate::belief::PyBelief;
+use crate::budget::{self, budget, outside_pools, thread_pool};
+use crate::convert::{self, count, index};
+use crate::errors::to_python;
+use crate::model::PySortingModel;
+use crate::plan::PyPlan;
+
+/// The DESPOT planner: an anytime search in a tree of beliefs, determinised by scenarios.
+///
+/// A scenario fixes the classes of the objects and a stream of observation randoms; only labels that some
+/// scenario gives get a branch. Each branch weighs its exact probability and holds its exact belief; the mass
+/// of the other labels follows the default policy, the best conditional plan for one object after the other.
+/// Solving for those plans is what makes the constructor take a moment.
+///
+/// With a budget of trials a plan is a pure function of model, belief, viewpoint, seed and settings: it
+/// depends on neither `threads` nor earlier plans. With a budget of time it depends on the machine too.
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     The problem. A scan has L^H outcomes: each further position multiplies the tree by up to L.
+/// scenarios : int
+///     Number of scenarios. Each expansion takes time in proportion, so under a budget of time too many leave
+///     the tree shallow; too few leave likely labels without a branch.
+/// seed : int
+///     Seed of the scenarios.
+/// threads : int, optional
+///     Threads to use; all cores if missing. More than that gain nothing.
+/// seconds : float, optional
+///     Wall-clock budget of a plan in seconds, 0.01 if neither budget is given. Ctrl-C waits for its end.
+/// trials : int, optional
+///     Budget of a plan in trials, in place of `seconds`. Memory grows with it.
+/// regularization : float, optional
+///     `lambda` of the DESPOT paper: cost of a policy node, in the unit of `r_max`; 0 if missing. Too large,
+///     and nothing but the default policy is worth its nodes.
+/// depth : int, optional
+///     Planner steps to look ahead; if missing, as many as the discount leaves 1 % of a reward after.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For a count or budget of 0 or below, both budgets, a negative regularisation, or an L^H above 2^64.
+///
+/// References
+/// ----------
+/// Ye, Somani, Hsu & Lee, "DESPOT: Online POMDP planning with regularization", JAIR 58, 2017.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+/// >>> planner = beltsort.Despot(model, trials=100)
+/// >>> planner.plan(beltsort.Belief(model)).action
+/// Move(viewpoint=0)
+/// >>> planner.plan(beltsort.Belief(model, [[0.01, 0.99]])).action
+/// Decide(label=1)
+#[pyclass(frozen, name = "Despot", module = "beltsort")]
+pub struct PyDespot {
+    pub planner: BudgetedDespot,
+    pub model: Arc<SortingModel>,
+    pool: Option<ThreadPool>,
+}
+
+impl PyDespot {
+    /// Plan with the GIL released, in this planner's own threads if it has any.
+    fn search(&self, py: Python<'_>, belief: &Belief, viewpoint: usize, budget: Budget) -> PyResult<Plan> {
+        let plan = || self.planner.despot.plan(belief, viewpoint, budget);
+        let plan_in_pool = || match &self.pool {
+            Some(pool) => pool.install(plan),
+            None => plan(),
+        };
+        py.detach(|| outside_pools(plan_in_pool)).map_err(to_python)
+    }
+}
+
+#[pymethods]
+impl PyDespot {
+    #[new]
+    #[pyo3(signature = (model, *, scenarios=500, seed=0, threads=None, seconds=None, trials=None,
+                        regularization=None, depth=None))]
+    #[allow(clippy::too_many_arguments)] // the public contract
+    fn new(
+        py: Python<'_>,
+        model: &PySortingModel,
+        scenarios: i64,
+        seed: i128,
+        threads: Option<i64>,
+        seconds: Option<f64>,
+        trials: Option<i64>,
+        regularization: Option<f64>,
+        depth: Option<i64>,
+    ) -> PyResult<Self> {
+        let config = DespotConfig {
+            scenarios: count("scenarios", scenarios)?,
+            seed: convert::seed(seed)?,
+            regularization: regularization.unwrap_or(0.0),
+            depth: depth.map(|d| count("depth", d)).transpose()?,
+        };
+        let budget = budget(seconds, trials)?.unwrap_or(budget::DEFAULT);
+        let despot = py.detach(|| Despot::new(&model.0, config)).map_err(to_python)?;
+        Ok(Self {
+            planner: BudgetedDespot { despot, budget },
+            model: Arc::clone(&model.0),
+            pool: threads.map(thread_pool).transpose()?,
+        })
+    }
+
+    /// Plan the next action.
+    ///
+    /// Parameters
+    /// ----------
+    /// belief : Belief
+    ///     What is known of the objects; made for the planner's model, or an equal one.
+    /// viewpoint : int
+    ///     Where the camera stands.
+    /// seconds, trials : optional
+    ///     In place of the planner's own budget; at most one of them.
+    ///
+    /// Returns
+    /// -------
+    /// Plan
+    ///     The action, the value of every legal one, and bounds.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a belief of another model, an unknown viewpoint, both budgets, or one of 0 or below.
+    #[pyo3(signature = (belief, viewpoint=0, *, seconds=None, trials=None))]
+    fn plan(
+        &self,
+        py: Python<'_>,
+        belief: PyBelief,
+        viewpoint: i64,
+        seconds: Option<f64>,
+        trials: Option<i64>,
+    ) -> PyResult<PyPlan> {
+        belief.check_is_of(&self.model)?;
+        let budget = budget(seconds, trials)?.unwrap_or(self.planner.budget);
+        let plan = self.search(py, &belief.belief, index("viewpoint", viewpoint)?, budget)?;
+        Ok(PyPlan(plan))
+    }
+
+    /// The action of a plan with the planner's own budget: a planner is a policy.
+    ///
+    /// Parameters
+    /// ----------
+    /// belief : Belief
+    ///     What is known of the objects.
+    /// viewpoint : int
+    ///     Where the camera stands.
+    ///
+    /// Returns
+    /// -------
+    /// Move or Decide
+    ///     `plan(belief, viewpoint).action`.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a belief of another model or an unknown viewpoint.
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: i64) -> PyResult<Py<PyAny>> {
+        let plan = self.plan(py, belief, viewpoint, None, None)?;
+        actions::to_python(py, plan.0.action)
+    }
+
+    /// The model planned for.
+    #[getter]
+    fn model(&self) -> PySortingModel {
+        PySortingModel(Arc::clone(&self.model))
+    }
+}

@@ -1,0 +1,146 @@
+//! `evaluate`.
+
+use std::sync::atomic::AtomicBool;
+
+use beltsort_core as core;
+use beltsort_core::{EvaluationConfig, Policy, TrueClasses};
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+
+use crate::budget::thread_pool;
+use crate::convert::{self, count, index};
+use crate::despot::PyDespot;
+use crate::errors::{ArgumentError, to_python};
+use crate::evaluation::PyEvaluation;
+use crate::interrupt::{Stoppable, interruptible};
+use crate::model::PySortingModel;
+use crate::policies::{PyInformationGain, PyThreshold};
+use crate::user_policy::UserPolicy;
+
+/// Simulate batches of the sorting POMDP.
+///
+/// Randoms are indexed by (batch, object, look): every policy meets the same objects, and the n-th look at an
+/// object draws on the same random. The result depends on neither `threads` nor the machine, unless the
+/// policy does (a planner with a time budget does).
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     Updates the belief and gives the rewards.
+/// policy : Policy
+///     `Despot`, `Threshold`, `InformationGain`, or any object with a method ``act(belief, viewpoint)`` that
+///     returns a `Move` or a `Decide`. Such an object is asked from one thread, and its exceptions pass
+///     through unchanged.
+/// batches : int
+///     Number of batches. Standard errors shrink with its square root only.
+/// batch_size : int
+///     Decisions per batch; each batch starts from the arrival prior.
+/// seed : int
+///     Seed of classes and labels. A seed that a policy was tuned on flatters it.
+/// threads : int, optional
+///     Threads to use; all cores if missing. More than that gain nothing.
+/// viewpoint : int
+///     Where the camera stands when a batch starts.
+/// true_classes : array_like of int, optional
+///     A list of labels to draw from uniformly, or the labels themselves, shape (batches, batch_size + H -
+///     1). The arrival prior of `truth` if missing.
+/// truth : SortingModel, optional
+///     Draws classes and labels; `model` if missing. Its H, K and L must be those of `model`.
+/// max_looks : int
+///     An object looked at this often is decided as its most likely class. Too large, and a policy that never
+///     decides never ends.
+///
+/// Returns
+/// -------
+/// Evaluation
+///     One outcome per batch.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For a count below 1, or an argument that does not fit the model.
+/// PolicyError
+///     If the policy names no legal action.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[1.0, 0.0], [0.0, 1.0]]]])
+/// >>> result = beltsort.evaluate(model, beltsort.Threshold(model, 0.9), batches=3)
+/// >>> result.correct
+/// array([10, 10, 10], dtype=uint64)
+/// >>> result.summary()["steps"]
+/// {'mean': 20.0, 'standard_error': 0.0}
+#[pyfunction]
+#[pyo3(signature = (model, policy, *, batches=1000, batch_size=10, seed=0, threads=None, viewpoint=0,
+                    true_classes=None, truth=None, max_looks=60))]
+#[allow(clippy::too_many_arguments)] // the public contract
+pub fn evaluate(
+    py: Python<'_>,
+    model: &PySortingModel,
+    policy: &Bound<'_, PyAny>,
+    batches: i64,
+    batch_size: i64,
+    seed: i128,
+    threads: Option<i64>,
+    viewpoint: i64,
+    true_classes: Option<&Bound<'_, PyAny>>,
+    truth: Option<&PySortingModel>,
+    max_looks: i64,
+) -> PyResult<PyEvaluation> {
+    let config = EvaluationConfig {
+        batches: count("batches", batches)?,
+        batch_size: count("batch_size", batch_size)?,
+        seed: convert::seed(seed)?,
+        viewpoint: index("viewpoint", viewpoint)?,
+        true_classes: true_classes.map_or(Ok(TrueClasses::Arrival), classes)?,
+        max_looks: count("max_looks", max_looks)?,
+    };
+    let truth = truth.unwrap_or(model);
+    let drawn_from_model = truth.0 == model.0 && config.true_classes == TrueClasses::Arrival;
+    let pool = threads.map(thread_pool).transpose()?;
+    let run = |policy: &dyn Policy, pool: Option<&ThreadPool>| {
+        let stop = AtomicBool::new(false);
+        let evaluate = || core::evaluate(&model.0, &truth.0, &Stoppable { policy, stop: &stop }, &config);
+        interruptible(py, &stop, || match pool {
+            Some(pool) => pool.install(evaluate),
+            None => evaluate(),
+        })
+    };
+    let pool = pool.as_ref();
+    let evaluation = if let Ok(despot) = policy.cast::<PyDespot>() {
+        run(&despot.get().planner, pool)?.map_err(to_python)
+    } else if let Ok(threshold) = policy.cast::<PyThreshold>() {
+        run(&threshold.get().policy, pool)?.map_err(to_python)
+    } else if let Ok(gain) = policy.cast::<PyInformationGain>() {
+        run(&gain.get().policy, pool)?.map_err(to_python)
+    } else {
+        let user = UserPolicy::new(policy, model)?;
+        // A user's policy may keep state: its batches run one after the other.
+        run(&user, Some(&thread_pool(1)?))?.map_err(|error| user.raised().unwrap_or_else(|| to_python(error)))
+    }?;
+    Ok(PyEvaluation { evaluation, drawn_from_model })
+}
+
+/// A list of labels to draw from, or an array with a row per batch.
+fn classes(value: &Bound<'_, PyAny>) -> PyResult<TrueClasses> {
+    if let Ok(labels) = value.extract::<Vec<i64>>() {
+        let to_index = |label: &i64| index("true class", *label);
+        return Ok(TrueClasses::UniformlyFrom(labels.iter().map(to_index).collect::<PyResult<_>>()?));
+    }
+    let rows = convert::rows("true_classes", value).and_then(|rows| {
+        let to_labels = |row: Vec<f64>| row.into_iter().map(to_label).collect();
+        rows.into_iter().map(to_labels).collect()
+    });
+    rows.map(TrueClasses::Given).map_err(|reason| {
+        ArgumentError::new_err(format!(
+            "{reason}; true_classes is a list of labels to draw from, or labels of shape \
+             (batches, batch_size + H - 1)"
+        ))
+    })
+}
+
+fn to_label(value: f64) -> Result<usize, String> {
+    let label = convert::whole("true_classes", value)?;
+    usize::try_from(label).map_err(|_| format!("true_classes holds {value}, which is out of range"))
+}

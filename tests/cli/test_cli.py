@@ -1,0 +1,182 @@
+"""The real command, run as a user runs it."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import beltsort
+
+PAPER = str(Path(__file__).parent.parent / "fixtures" / "paper.json")
+QUICK = ["--batches", "20"]
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "beltsort", *arguments], capture_output=True, text=True, timeout=60
+    )
+
+
+def output(*arguments: str) -> str:
+    done = command(*arguments)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    return done.stdout
+
+
+def json_of(*arguments: str) -> dict[str, Any]:
+    result = json.loads(output(*arguments, "--json"))
+    assert isinstance(result, dict)
+    return result
+
+
+def test_info() -> None:
+    facts = json_of("info")
+    assert facts["beltsort"] == beltsort.__version__
+    assert facts["build_profile"] in {"debug", "release"}
+    assert facts["packages"]["numpy"] == version("numpy")
+    assert facts["threads"] >= 1
+    assert re.search(rf"numpy +{re.escape(version('numpy'))}\n", output("info"))
+
+
+def test_plan_says_the_same_as_the_library() -> None:
+    model = beltsort.SortingModel.load(PAPER)
+    belief = beltsort.Belief(model)
+    belief.observe(0, [1, None])
+    belief.observe(2, [1, 0])
+    expected = beltsort.Despot(model, trials=30, scenarios=100, seed=4).plan(belief, 2)
+    result = json_of(
+        *("plan", PAPER, "--observe", "p1=livarno,-", "--observe", "2=1,elongated"),
+        *("--trials", "30", "--scenarios", "100", "--seed", "4"),
+    )
+    assert result["viewpoint"] == "p3"
+    assert [list(row.values()) for row in result["belief"]] == belief.probabilities.tolist()
+    assert list(result["belief"][0]) == model.classes
+    assert result["action"] == {"decide": "livarno"}
+    assert [entry["value"] for entry in result["values"]] == list(expected.values.values())
+    assert result["values"][-1]["action"] == {"move": "p3"}
+    assert (result["lower"], result["upper"]) == (expected.lower, expected.upper)
+    assert result["certified_upper"] == expected.certified_upper
+    assert result["trials"] == 30
+
+
+def test_plan_in_words() -> None:
+    text = output("plan", PAPER, "--viewpoint", "p2", "--trials", "20")
+    assert "The camera stands at p2." in text
+    assert "Next: move to p3 and scan." in text
+    assert re.search(r"position +elongated +livarno +mushroom +standard\n +0 +0.250 +0.250", text)
+    assert re.search(r"sort as standard +-\d+\.\d", text)
+    assert "20 trials" in text
+
+
+@pytest.mark.parametrize(
+    ("options", "policy"),
+    [
+        (["threshold", "--threshold", "0.9"], lambda m: beltsort.Threshold(m, 0.9)),
+        (
+            ["information-gain", "--threshold", "0.9", "--positions-counted", "2"],
+            lambda m: beltsort.InformationGain(m, 0.9, 2),
+        ),
+        (["despot", "--trials", "2"], lambda m: beltsort.Despot(m, trials=2)),
+    ],
+)
+def test_evaluate_says_the_same_as_the_library(options: list[str], policy: Any) -> None:
+    model = beltsort.SortingModel.load(PAPER)
+    expected = beltsort.evaluate(model, policy(model), batches=20, batch_size=5, seed=3)
+    result = json_of(
+        *(
+            "evaluate",
+            PAPER,
+            "--policy",
+            *options,
+            *QUICK,
+            "--batch-size",
+            "5",
+            "--seed",
+            "3",
+            "--threads",
+            "2",
+        )
+    )
+    assert result["summary"] == expected.summary()
+    assert result["policy"] == options[0]
+
+
+def test_evaluate_in_words_names_its_command_line() -> None:
+    arguments = ["evaluate", PAPER, "--policy", "threshold", "--threshold", "0.9", *QUICK]
+    text = output(*arguments)
+    assert f"Made by: beltsort evaluate {PAPER} --policy threshold" in text
+    assert re.search(r"steps +\d+\.\d+ +± \d", text)
+    assert "expected discounted returns" in text
+
+
+def test_evaluate_draws_from_the_classes_named() -> None:
+    options = ["evaluate", PAPER, "--policy", "threshold", "--threshold", "0.9", "--batches", "1"]
+    summary = json_of(*options, "--true-classes", "livarno,3")["summary"]
+    assert "expected_discounted_returns" not in summary
+    assert summary["steps"]["standard_error"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["plan", "absent.json"], r"absent\.json: the model file cannot be read"),
+        (["plan", PAPER, "--viewpoint", "q3"], r"no viewpoint 'q3'; did you mean 'p3'\? Known: p1, p2, p3"),
+        (["plan", PAPER, "--viewpoint", "3"], r"no viewpoint '3'.*or 0 to 2"),
+        (["plan", PAPER, "--observe", "p1=livrano,-"], "no class 'livrano'; did you mean 'livarno'"),
+        (["plan", PAPER, "--observe", "p1"], "--observe p1: expected VIEWPOINT=LABEL,LABEL"),
+        (["plan", PAPER, "--observe", "p1=livarno"], "1 labels for 2 positions"),
+        (["plan", PAPER, "--trials", "0"], "trials = 0; give at least 1"),
+        (["evaluate", PAPER, "--policy", "threshold"], "--policy threshold needs --threshold"),
+        (["evaluate", PAPER, "--policy", "despot", "--threshold", "0.9"], "--threshold means nothing to"),
+        (["evaluate", PAPER, "--policy", "despot", "--batches", "0"], "batches = 0; give at least 1"),
+    ],
+)
+def test_errors_are_one_line(arguments: list[str], message: str) -> None:
+    done = command(*arguments, "--json")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert re.fullmatch(rf"beltsort: error: .*{message}.*\n", done.stderr)
+
+
+def test_a_model_file_that_is_none(tmp_path: Path) -> None:
+    (tmp_path / "model.json").write_text('{"classes": ["a",\n"b"], "viewpoint": []}')
+    done = command("plan", str(tmp_path / "model.json"))
+    assert done.returncode == 2
+    assert 'did you mean "viewpoints"' in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["sort"], ["plan"], ["plan", PAPER, "--trials", "1", "--seconds", "1"], ["info", "-x"]]
+)
+def test_wrong_usage(arguments: list[str]) -> None:
+    done = command(*arguments)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("usage: beltsort")
+
+
+def test_version_and_help() -> None:
+    assert output("--version") == f"beltsort {beltsort.__version__}\n"
+    for name in ("info", "plan", "evaluate"):
+        assert re.search(rf"^ +{name} +\w", output("--help"), re.MULTILINE)
+
+
+def test_control_c() -> None:
+    arguments = ["evaluate", PAPER, "--policy", "despot", "--batches", "100000"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "beltsort", *arguments], stderr=subprocess.PIPE, text=True
+    )
+    time.sleep(2.0)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert errors == ""

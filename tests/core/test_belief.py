@@ -1,0 +1,125 @@
+"""Belief: the factored arithmetic equals that of the joint distribution."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from beltsort import Belief, ImpossibleObservationError, SortingModel
+
+from .models import random_belief, random_model
+
+Joint = NDArray[np.float64]  # (L,) * H
+SEEDS = st.integers(0, 10_000)
+CERTAIN, UNKNOWN = [1.0, 0.0, 0.0, 0.0], [0.25] * 4
+
+
+def joint_of(belief: Belief) -> Joint:
+    joint = np.ones(())
+    for row in belief.probabilities:
+        joint = np.multiply.outer(joint, row)
+    return joint
+
+
+def observed(joint: Joint, model: SortingModel, viewpoint: int, labels: list[int | None]) -> Joint:
+    posterior = joint.copy()
+    for classes in np.ndindex(joint.shape):
+        for j, label in enumerate(labels):
+            if label is not None:
+                posterior[classes] *= model.p_obs[j, viewpoint, classes[j], label]
+    return np.asarray(posterior / posterior.sum())
+
+
+def advanced(joint: Joint, model: SortingModel) -> Joint:
+    return np.asarray(np.multiply.outer(joint.sum(axis=0), model.arrival))
+
+
+def marginals(joint: Joint) -> list[NDArray[np.float64]]:
+    axes = range(joint.ndim)
+    return [joint.sum(axis=tuple(a for a in axes if a != j)) for j in axes]
+
+
+@settings(deadline=None, max_examples=40, derandomize=True)
+@given(seed=SEEDS, h=st.integers(1, 3), k=st.integers(1, 3), l=st.integers(2, 4))
+def test_equals_the_joint(seed: int, h: int, k: int, l: int) -> None:  # noqa: E741
+    rng = np.random.default_rng(seed)
+    model = random_model(seed, h, k, l, arrival=rng.dirichlet(np.ones(l)).tolist())
+    belief = random_belief(model, seed)
+    joint = joint_of(belief)
+    for _ in range(6):
+        if rng.random() < 0.3:
+            belief.advance()
+            joint = advanced(joint, model)
+        else:
+            viewpoint = int(rng.integers(k))
+            labels = [None if rng.random() < 0.3 else int(rng.integers(l)) for _ in range(h)]
+            belief.observe(viewpoint, labels)
+            joint = observed(joint, model, viewpoint, labels)
+        np.testing.assert_allclose(belief.probabilities, marginals(joint), atol=1e-12)
+        np.testing.assert_allclose(belief.probabilities.sum(axis=1), 1.0, atol=1e-12)
+
+
+@settings(deadline=None, max_examples=20, derandomize=True)
+@given(seed=SEEDS)
+def test_label_probabilities(seed: int) -> None:
+    model = random_model(seed)
+    belief = random_belief(model, seed)
+    for viewpoint in range(2):
+        expected = np.einsum("jc,jcz->jz", belief.probabilities, model.p_obs[:, viewpoint])
+        np.testing.assert_allclose(belief.label_probabilities(viewpoint), expected, atol=1e-14)
+
+
+@settings(deadline=None, max_examples=20, derandomize=True)
+@given(seed=SEEDS)
+def test_relabelling_the_classes_relabels_the_belief(seed: int) -> None:
+    model = random_model(seed)
+    order = np.random.default_rng(seed).permutation(3)
+    renamed = SortingModel(
+        [model.classes[c] for c in order], model.viewpoints, model.p_obs[:, :, order][..., order]
+    )
+    new_label = np.argsort(order)
+    belief, other = Belief(model), Belief(renamed)
+    for viewpoint, labels in [(0, [0, 1]), (1, [2, 2])]:
+        belief.observe(viewpoint, labels)
+        other.observe(viewpoint, [int(new_label[z]) for z in labels])
+    np.testing.assert_allclose(other.probabilities, belief.probabilities[:, order], atol=1e-12)
+
+
+def test_starts_from_the_arrival_prior() -> None:
+    model = random_model(0, arrival=[0.2, 0.3, 0.5])
+    assert Belief(model).probabilities == pytest.approx(np.array([[0.2, 0.3, 0.5]] * 2))
+
+
+def test_impossible_label_leaves_the_belief_unchanged(paper: SortingModel) -> None:
+    belief = Belief(paper, np.array([CERTAIN, UNKNOWN]))
+    before = belief.probabilities
+    with pytest.raises(ImpossibleObservationError) as raised:
+        belief.observe(0, [2, 1])
+    assert re.search("position 0.*viewpoint p1.*label mushroom.*Drop the label", str(raised.value))
+    assert np.array_equal(belief.probabilities, before)
+
+
+def test_an_impossible_label_behind_a_possible_one_changes_nothing(paper: SortingModel) -> None:
+    belief = Belief(paper, np.array([UNKNOWN, CERTAIN]))
+    before = belief.probabilities
+    with pytest.raises(ImpossibleObservationError, match="position 1, viewpoint p3: label standard"):
+        belief.observe(2, [0, 3])
+    assert np.array_equal(belief.probabilities, before)
+
+
+def test_copies_are_independent(paper: SortingModel) -> None:
+    belief = Belief(paper)
+    copy = belief.copy()
+    copy.observe(0, [0, 0])
+    assert np.array_equal(belief.probabilities, Belief(paper).probabilities)
+    belief.probabilities[:] = 0
+    assert belief.probabilities.sum() == pytest.approx(2.0)
+
+
+def test_most_likely(paper: SortingModel) -> None:
+    belief = Belief(paper, np.array([[0.1, 0.4, 0.4, 0.1], [0, 0, 0, 1]]))
+    assert belief.most_likely(0) == (1, 0.4)
+    assert belief.most_likely(1) == (3, 1.0)

@@ -1,0 +1,118 @@
+"""Despot: reproducible, bounded, legal, and explained."""
+
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel
+
+from .models import random_belief, random_model
+
+SEEDS = st.integers(0, 10_000)
+
+
+def facts(plan: Plan) -> tuple[object, ...]:
+    counters = (plan.trials, plan.nodes, plan.expansions, plan.scenario_steps)
+    return plan.action, plan.values, plan.lower, plan.upper, *counters
+
+
+def test_trials_are_reproducible_for_any_number_of_threads(paper: SortingModel) -> None:
+    belief = random_belief(paper, 1)
+    plans = []
+    for threads in (1, 2, 8):
+        planner = Despot(paper, scenarios=2000, seed=3, trials=40, threads=threads)
+        plans += [planner.plan(belief, 1), planner.plan(belief, 1)]
+    assert all(facts(plan) == facts(plans[0]) for plan in plans)
+    assert facts(Despot(paper, scenarios=2000, seed=4, trials=40).plan(belief, 1)) != facts(plans[0])
+
+
+@settings(deadline=None, max_examples=8, derandomize=True)
+@given(seed=SEEDS, regularization=st.sampled_from([0.0, 0.1]))
+def test_bounds_tighten_with_trials(seed: int, regularization: float) -> None:
+    model = random_model(seed)
+    planner = Despot(model, scenarios=100, regularization=regularization, trials=1)
+    belief = random_belief(model, seed)
+    plans = [planner.plan(belief, trials=n) for n in (1, 2, 4, 8, 16, 32, 64)]
+    for before, after in pairwise(plans):
+        assert before.lower <= after.lower <= after.upper <= before.upper
+    assert plans[-1].upper < plans[0].upper
+    for plan in plans:
+        assert plan.certified_lower is not None
+        assert plan.certified_upper is not None
+        assert plan.certified_lower <= plan.certified_upper
+
+
+@pytest.mark.parametrize("travel", [[[1, 2], [0], [2, 0]], [[], [1, 2], [0, 1, 2]]])
+@pytest.mark.parametrize("seed", range(2))
+def test_only_legal_actions(travel: list[list[int]], seed: int) -> None:
+    model = random_model(seed, h=1, k=3, travel=travel)
+    planner = Despot(model, scenarios=50, trials=10)
+    for viewpoint in range(3):
+        plan = planner.plan(random_belief(model, seed), viewpoint)
+        decisions = {Decide(label) for label in range(3)}
+        assert set(plan.values) == decisions | {Move(to) for to in travel[viewpoint]}
+        assert plan.action in plan.values
+        assert plan.values[plan.action] == pytest.approx(max(plan.values.values()), abs=1e-9)
+
+
+def test_nowhere_to_go() -> None:
+    model = random_model(0, travel=[[], []])
+    plan = Despot(model, trials=10).plan(random_belief(model, 0))
+    assert isinstance(plan.action, Decide)
+    assert set(plan.values) == {Decide(0), Decide(1), Decide(2)}
+
+
+def test_decisions_differ_by_their_expected_reward(paper: SortingModel) -> None:
+    belief = random_belief(paper, 5)
+    values = Despot(paper, trials=20).plan(belief).values
+    likely, unlikely = belief.probabilities[0, :2]
+    reward_per_probability = paper.r_max + paper.r_min
+    assert values[Decide(0)] - values[Decide(1)] == pytest.approx(
+        (likely - unlikely) * reward_per_probability
+    )
+
+
+def test_budgets(paper: SortingModel) -> None:
+    belief = Belief(paper)
+    assert Despot(paper, trials=7).plan(belief).trials == 7
+    assert Despot(paper, trials=7).plan(belief, trials=3).trials == 3
+    timed = Despot(paper, trials=7).plan(belief, seconds=0.05)
+    assert timed.trials > 7
+    assert 0.05 <= timed.seconds < 1.0
+    assert Despot(paper).plan(belief).seconds >= 0.01
+
+
+def test_a_planner_is_a_policy(paper: SortingModel) -> None:
+    planner = Despot(paper, trials=20)
+    assert planner.act(Belief(paper), 0) == planner.plan(Belief(paper), 0).action == Move(2)
+    assert planner.model == paper
+
+
+def test_a_belief_of_an_equal_model_is_welcome(paper: SortingModel) -> None:
+    again = SortingModel.from_json(paper.to_json())
+    assert Despot(paper, trials=1).plan(Belief(again)).trials == 1
+
+
+def test_planning_releases_the_gil(paper: SortingModel) -> None:
+    planner = Despot(paper, seconds=0.5)
+    thread = threading.Thread(target=planner.plan, args=(Belief(paper),))
+    thread.start()
+    turns = 0
+    while thread.is_alive():
+        time.sleep(0.01)
+        turns += 1
+    assert turns > 5
+
+
+def test_plans_from_two_threads(paper: SortingModel) -> None:
+    planner = Despot(paper, trials=30)
+    beliefs = [random_belief(paper, seed) for seed in range(8)]
+    alone = [facts(planner.plan(belief)) for belief in beliefs]
+    with ThreadPoolExecutor(2) as pool:
+        together = [facts(plan) for plan in pool.map(planner.plan, beliefs)]
+    assert together == alone

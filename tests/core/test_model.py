@@ -1,0 +1,106 @@
+"""SortingModel: what is put in comes out, on every way round."""
+
+import json
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from beltsort import Belief, Decide, Move, SortingModel
+
+from .models import random_model
+
+FULL = random_model(
+    1,
+    r_max=7.0,
+    r_min=3.5,
+    motion_cost=[[0.0, 1.0], [2.0, 0.5]],
+    discount=0.9,
+    arrival=[0.5, 0.25, 0.25],
+    travel=[[1, 0], []],
+    counts=np.arange(36).reshape(2, 2, 3, 3),
+    smoothing=0.5,
+    note="ü",
+)
+
+
+def through_file(model: SortingModel, folder: Path) -> SortingModel:
+    model.save(folder / "model.json")
+    return SortingModel.load(folder / "model.json")
+
+
+def through_pickle(model: SortingModel, _: Path) -> SortingModel:
+    copy = pickle.loads(pickle.dumps(model))
+    assert isinstance(copy, SortingModel)
+    return copy
+
+
+@pytest.mark.parametrize("way", [through_file, through_pickle])
+@pytest.mark.parametrize("model", [FULL, random_model(2, h=1, k=1, l=2)])
+def test_round_trip(
+    way: Callable[[SortingModel, Path], SortingModel], model: SortingModel, tmp_path: Path
+) -> None:
+    again = way(model, tmp_path)
+    assert again == model
+    assert np.array_equal(again.p_obs, model.p_obs)
+    assert again.note == model.note
+    assert again != random_model(3)
+
+
+def test_properties() -> None:
+    assert FULL.classes == ["c0", "c1", "c2"]
+    assert FULL.viewpoints == ["v0", "v1"]
+    assert (FULL.positions, FULL.r_max, FULL.r_min, FULL.discount) == (2, 7.0, 3.5, 0.9)
+    assert (FULL.smoothing, FULL.note) == (0.5, "ü")
+    assert FULL.motion_cost.tolist() == [[0.0, 1.0], [2.0, 0.5]]
+    assert FULL.arrival.tolist() == [0.5, 0.25, 0.25]
+    assert FULL.travel == [[0, 1], []]
+    assert FULL.counts is not None
+    assert FULL.counts.dtype == np.uint64
+    assert FULL.counts[1, 1, 2, 2] == 35
+
+
+def test_defaults() -> None:
+    model = random_model(0)
+    assert (model.r_max, model.r_min, model.discount, model.note) == (10.0, 50.0, 0.95, "")
+    assert np.array_equal(model.motion_cost, np.ones((2, 2)))
+    assert model.travel == [[0, 1], [0, 1]]
+    assert model.arrival == pytest.approx(1 / 3)
+    assert model.counts is None
+    assert model.smoothing is None
+
+
+def test_arrays_are_read_only() -> None:
+    for array in (FULL.p_obs, FULL.counts):
+        assert array is not None
+        with pytest.raises(ValueError, match="read-only"):
+            array[0, 0, 0, 0] = 1
+
+
+def test_rows_are_kept_as_given_and_normalised_in_the_arithmetic() -> None:
+    model = SortingModel(["a", "b"], ["v"], [[[[0.5, 0.5000004], [0.1, 0.9]]]])
+    assert model.p_obs[0, 0, 0, 1] == 0.5000004
+    belief = Belief(model, [[1.0, 0.0]])
+    assert belief.label_probabilities(0).sum() == pytest.approx(1.0, abs=1e-15)
+
+
+def test_fewer_positions() -> None:
+    one = FULL.with_positions(1)
+    assert one.positions == 1
+    assert np.array_equal(one.p_obs, FULL.p_obs[:1])
+    assert one.counts is not None
+    assert one.counts.shape == (1, 2, 3, 3)
+
+
+def test_a_model_file_has_the_names_of_the_constructor(paper: SortingModel) -> None:
+    keys = json.loads(paper.to_json())
+    p_obs = keys.pop("p_obs")
+    again = SortingModel(keys.pop("classes"), keys.pop("viewpoints"), p_obs, **keys)
+    assert again == paper
+
+
+def test_actions_are_values() -> None:
+    assert pickle.loads(pickle.dumps([Move(2), Decide(1)])) == [Move(2), Decide(1)]
+    assert len({Move(1), Move(1), Decide(1), Move(0)}) == 3

@@ -1,0 +1,71 @@
+"""Threshold and InformationGain: when they decide and where they look."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beltsort import Belief, Decide, InformationGain, Move, SortingModel, Threshold
+
+from .models import random_belief, random_model
+
+BLIND = np.full((2, 2), 0.5)
+SHARP = np.array([[0.9, 0.1], [0.1, 0.9]])
+
+
+def two_class_model(
+    *tables: list[np.ndarray[tuple[int, int], np.dtype[np.float64]]], **settings: object
+) -> SortingModel:
+    names = [f"v{i}" for i in range(len(tables[0]))]
+    return SortingModel(["a", "b"], names, np.array(tables), **settings)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("policy_class", [Threshold, InformationGain])
+def test_decides_exactly_at_the_threshold(policy_class: type[Threshold] | type[InformationGain]) -> None:
+    model = two_class_model([SHARP])
+    policy = policy_class(model, 0.75)
+    assert policy.act(Belief(model, [[0.25, 0.75]]), 0) == Decide(1)
+    assert policy.act(Belief(model, [[0.75, 0.25]]), 0) == Decide(0)
+    assert policy.act(Belief(model, [[0.2500001, 0.7499999]]), 0) == Move(0)
+
+
+def test_threshold_looks_from_the_most_informative_viewpoint() -> None:
+    model = two_class_model([BLIND, SHARP])
+    assert Threshold(model, 0.9).act(Belief(model), 0) == Move(1)
+    assert Threshold(model, 0.9, viewpoint=0).act(Belief(model), 1) == Move(0)
+
+
+def test_threshold_travels_by_the_fewest_moves() -> None:
+    model = two_class_model([BLIND, BLIND, SHARP], travel=[[0, 1], [0, 2], [2]])
+    policy = Threshold(model, 0.9)
+    assert [policy.act(Belief(model), viewpoint) for viewpoint in range(3)] == [Move(1), Move(2), Move(2)]
+
+
+def test_information_gain_counts_the_positions_it_is_told_to() -> None:
+    model = two_class_model([SHARP, BLIND], [BLIND, np.eye(2)])
+    assert InformationGain(model, 0.95).act(Belief(model), 0) == Move(0)
+    assert InformationGain(model, 0.95, positions=2).act(Belief(model), 0) == Move(1)
+
+
+def test_decides_where_no_move_is_legal() -> None:
+    model = two_class_model([BLIND], travel=[[]])
+    belief = Belief(model, [[0.4, 0.6]])
+    assert Threshold(model, 1.0).act(belief, 0) == InformationGain(model, 1.0).act(belief, 0) == Decide(1)
+
+
+@settings(deadline=None, max_examples=40, derandomize=True)
+@given(seed=st.integers(0, 10_000), threshold=st.sampled_from([0.5, 0.7, 1.0]))
+def test_relabelling_the_classes_relabels_the_action(seed: int, threshold: float) -> None:
+    model = random_model(seed, k=3)
+    belief = random_belief(model, seed)
+    order = np.random.default_rng(seed).permutation(3)
+    renamed = SortingModel(
+        [model.classes[c] for c in order], model.viewpoints, model.p_obs[:, :, order][..., order]
+    )
+    other = Belief(renamed, belief.probabilities[:, order])
+    for policy_class in (Threshold, InformationGain):
+        action = policy_class(model, threshold).act(belief, 0)
+        renamed_action = policy_class(renamed, threshold).act(other, 0)
+        if isinstance(renamed_action, Decide):
+            renamed_action = Decide(int(order[renamed_action.label]))
+        assert renamed_action == action
