@@ -30,8 +30,10 @@ pub use plan::Plan;
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
 const TARGET_GAP: f64 = 0.95;
-/// A root gap, in units of reward, below which the sampled problem counts as solved.
-const SOLVED: f64 = 1e-9;
+/// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
+const SOLVED: f64 = 1e-10;
+/// More scenarios than any belief needs; they must fit into memory.
+const MOST_SCENARIOS: usize = 1_000_000;
 /// The default depth is where discounting leaves this much of a reward.
 const NEGLIGIBLE: f64 = 0.01;
 
@@ -76,14 +78,13 @@ impl Despot {
     /// Prepare to plan: solves the one-object problem.
     ///
     /// # Errors
-    /// [`crate::Error::Argument`] for no scenarios or more than 2^32 - 1, a negative or infinite regularisation,
+    /// [`crate::Error::Argument`] for no scenarios or more than a million, a negative or infinite regularisation,
     /// depth 0, or so many label vectors (L^H) that they cannot be numbered.
     pub fn new(model: &SortingModel, config: DespotConfig) -> Result<Self> {
-        if config.scenarios == 0 || u32::try_from(config.scenarios).is_err() {
+        if !(1..=MOST_SCENARIOS).contains(&config.scenarios) {
             return argument_error(format!(
-                "scenarios = {}; give between 1 and {}, 500 for example",
-                config.scenarios,
-                u32::MAX
+                "scenarios = {}; give between 1 and {MOST_SCENARIOS}, 500 for example",
+                config.scenarios
             ));
         }
         if !(config.regularization.is_finite() && config.regularization >= 0.0) {
@@ -180,7 +181,7 @@ impl<'a> Search<'a> {
     }
 
     fn finished(&self, budget: Budget) -> bool {
-        self.tree.nodes[0].gap() < SOLVED
+        self.tree.nodes[0].gap() < SOLVED * self.despot.model.spec().r_max
             || match budget {
                 Budget::Trials(trials) => self.trials >= trials,
                 Budget::Time(time) => self.start.elapsed() >= time,

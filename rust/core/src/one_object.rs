@@ -48,6 +48,11 @@ impl OneObjectPolicy {
         self.group_of[viewpoint]
     }
 
+    /// A viewpoint of a group; all of them have the same moves at the same costs.
+    pub(crate) fn representative(&self, group: usize) -> usize {
+        self.group_of.iter().position(|g| *g == group).unwrap_or(0)
+    }
+
     /// Value of an unseen object at the belt end and unseen ones behind it, per group.
     pub(crate) fn arrival_values(&self) -> &[f64] {
         &self.arrival_values

@@ -8,10 +8,25 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::model::SortingModel;
 
-/// The generator of everything random here: reproducible on every platform, one stream per purpose.
-pub(crate) fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
+/// What a stream of randoms is for; streams of different purposes never meet.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Purpose {
+    /// A scenario of the search.
+    Scenario = 1,
+    /// A simulated object: its class and its labels.
+    Object = 2,
+    /// A walk that collects beliefs.
+    Walk = 3,
+}
+
+/// Streams of one purpose.
+pub(crate) const STREAMS: u64 = 1 << 62;
+
+/// The generator of everything random here: reproducible on every platform, one stream (below [`STREAMS`]) per
+/// scenario, object or walk.
+pub(crate) fn stream(seed: u64, purpose: Purpose, index: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(stream);
+    rng.set_stream(purpose as u64 * STREAMS + index);
     rng
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::belief::Belief;
 use crate::model::SortingModel;
-use crate::sampling::{invert, label, stream};
+use crate::sampling::{Purpose, invert, label, stream};
 
 /// Streams drawn by one task; fewer are not worth the hand-over to another thread.
 const STREAMS_PER_TASK: usize = 512;
@@ -35,7 +35,7 @@ impl Scenarios {
     pub(crate) fn sample(belief: &Belief, count: usize, seed: u64) -> Self {
         let (positions, _) = belief.shape();
         let draw = |index: usize| {
-            let mut rng = stream(seed, index as u64);
+            let mut rng = stream(seed, Purpose::Scenario, index as u64);
             let classes =
                 (0..positions).map(|j| invert(belief.position(j).iter(), rng.random::<f64>())).collect();
             Stream { rng, classes, uniforms: Vec::new() }

@@ -11,10 +11,13 @@ use crate::belief::Belief;
 use crate::error::{Error, Result, argument_error};
 use crate::model::{Action, SortingModel};
 use crate::policy::Policy;
-use crate::sampling::{invert, label, stream};
+use crate::sampling::{Purpose, invert, label, stream};
 
 /// This many impossible labels of one object in a row end the looking at it.
 const IMPOSSIBLE_IN_A_ROW: usize = 3;
+
+/// Batches, and objects of a batch, are fewer than this: together they number a stream of randoms.
+const MOST: usize = 1 << 31;
 
 /// Where the true classes of a batch come from.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,8 +133,8 @@ fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) 
     for (name, value) in
         [("batches", config.batches), ("batch_size", config.batch_size), ("max_looks", config.max_looks)]
     {
-        if value == 0 {
-            return argument_error(format!("{name} = 0; give at least 1"));
+        if value == 0 || value >= MOST {
+            return argument_error(format!("{name} = {value}; give at least 1, and less than {MOST}"));
         }
     }
     let shape = |m: &SortingModel| (m.position_count(), m.viewpoint_count(), m.class_count());
@@ -295,7 +298,8 @@ impl<'a> Batch<'a> {
     }
 
     fn arrive(&mut self) {
-        let mut rng = stream(self.config.seed, (self.index as u64) << 32 | self.arrived as u64);
+        let mut rng =
+            stream(self.config.seed, Purpose::Object, (self.index as u64) << 31 | self.arrived as u64);
         let u = rng.random::<f64>();
         let class = match &self.config.true_classes {
             TrueClasses::Arrival => invert(self.truth.arrival().iter(), u),

@@ -4,7 +4,7 @@ use beltsort_core::Action;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::convert::index;
+use crate::convert::{Whole, index};
 use crate::errors::PolicyError;
 
 /// `m_k`: move the camera to a viewpoint and scan once.
@@ -44,7 +44,7 @@ impl Move {
     }
 
     #[new]
-    fn new(viewpoint: i64) -> PyResult<Self> {
+    fn new(viewpoint: Whole) -> PyResult<Self> {
         Ok(Self { viewpoint: index("viewpoint", viewpoint)? })
     }
 
@@ -89,7 +89,7 @@ impl Decide {
     }
 
     #[new]
-    fn new(label: i64) -> PyResult<Self> {
+    fn new(label: Whole) -> PyResult<Self> {
         Ok(Self { label: index("label", label)? })
     }
 

@@ -7,7 +7,7 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
 
-use crate::convert::{index, rows};
+use crate::convert::{Whole, index, rows};
 use crate::errors::{ArgumentError, to_python};
 use crate::model::PySortingModel;
 
@@ -108,7 +108,7 @@ impl PyBelief {
     fn label_probabilities<'py>(
         &self,
         py: Python<'py>,
-        viewpoint: i64,
+        viewpoint: Whole,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let viewpoint = index("viewpoint", viewpoint)?;
         let predicted = self.belief.label_probabilities(&self.model, viewpoint).map_err(to_python)?;
@@ -135,7 +135,7 @@ impl PyBelief {
     /// References
     /// ----------
     /// Mezei, Tamás & Buşoniu, ECC 2019, eq. 7.
-    fn observe(&mut self, viewpoint: i64, labels: Vec<Option<i64>>) -> PyResult<()> {
+    fn observe(&mut self, viewpoint: Whole, labels: Vec<Option<Whole>>) -> PyResult<()> {
         let labels = labels
             .into_iter()
             .map(|label| label.map(|z| index("label", z)).transpose())
@@ -171,7 +171,7 @@ impl PyBelief {
     /// ------
     /// ArgumentError
     ///     If the model has no such position.
-    fn most_likely(&self, position: i64) -> PyResult<(usize, f64)> {
+    fn most_likely(&self, position: Whole) -> PyResult<(usize, f64)> {
         let position = index("position", position)?;
         let positions = self.model.position_count();
         if position >= positions {

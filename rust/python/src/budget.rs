@@ -8,13 +8,17 @@ use beltsort_core::Budget;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
+use crate::convert::Whole;
 use crate::errors::ArgumentError;
 
 /// The budget of a planner that was given none.
 pub const DEFAULT: Budget = Budget::Time(Duration::from_millis(10));
 
+/// More threads than any machine has use for.
+const MOST_THREADS: usize = 1024;
+
 /// The budget that the arguments name, if any.
-pub fn budget(seconds: Option<f64>, trials: Option<i64>) -> PyResult<Option<Budget>> {
+pub fn budget(seconds: Option<f64>, trials: Option<Whole>) -> PyResult<Option<Budget>> {
     match (seconds, trials) {
         (None, None) => Ok(None),
         (Some(seconds), None) => budget_of_time(seconds).map(Some),
@@ -38,10 +42,13 @@ fn budget_of_time(seconds: f64) -> PyResult<Budget> {
 }
 
 /// A pool of `threads` threads.
-pub fn thread_pool(threads: i64) -> PyResult<ThreadPool> {
-    let count = usize::try_from(threads).ok().filter(|n| *n > 0).ok_or_else(|| {
-        ArgumentError::new_err(format!("threads = {threads}; give at least 1, or leave it out for all cores"))
-    })?;
+pub fn thread_pool(threads: Whole) -> PyResult<ThreadPool> {
+    let count =
+        usize::try_from(threads).ok().filter(|n| (1..=MOST_THREADS).contains(n)).ok_or_else(|| {
+            ArgumentError::new_err(format!(
+                "threads = {threads}; give between 1 and {MOST_THREADS}, or leave it out for all cores"
+            ))
+        })?;
     rayon::ThreadPoolBuilder::new()
         .num_threads(count)
         .build()

@@ -11,20 +11,26 @@ use crate::errors::{ArgumentError, ModelError};
 /// Whole numbers up to here are exact as f64.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
+/// A whole number as Python gives it: wide enough that what is out of range gets the core's own answer.
+pub type Whole = i128;
+
 /// A viewpoint, label or position as Python gives it; a negative one is out of range, not an overflow.
-pub fn index(name: &str, value: i64) -> PyResult<usize> {
+pub fn index(name: &str, value: Whole) -> PyResult<usize> {
     usize::try_from(value)
         .map_err(|_| ArgumentError::new_err(format!("{name} {value} is out of range: indices start at 0")))
 }
 
 /// A number of things; the core says what it thinks of 0.
-pub fn count(name: &str, value: i64) -> PyResult<usize> {
-    usize::try_from(value)
-        .map_err(|_| ArgumentError::new_err(format!("{name} = {value} is negative; give at least 1")))
+pub fn count(name: &str, value: Whole) -> PyResult<usize> {
+    usize::try_from(value).map_err(|_| {
+        ArgumentError::new_err(format!(
+            "{name} = {value}; give a whole number from 1 on that a computer can count"
+        ))
+    })
 }
 
 /// A seed as Python gives it.
-pub fn seed(value: i128) -> PyResult<u64> {
+pub fn seed(value: Whole) -> PyResult<u64> {
     u64::try_from(value).map_err(|_| {
         ArgumentError::new_err(format!("seed = {value}; give a whole number from 0 to {}", u64::MAX))
     })
@@ -86,8 +92,8 @@ pub fn whole(name: &str, value: f64) -> Result<u64, String> {
 }
 
 /// Lists of viewpoints.
-pub fn travel(lists: Vec<Vec<i64>>) -> PyResult<Vec<Vec<usize>>> {
-    let index = |to: i64| {
+pub fn travel(lists: Vec<Vec<Whole>>) -> PyResult<Vec<Vec<usize>>> {
+    let index = |to: Whole| {
         usize::try_from(to).map_err(|_| {
             ModelError::new_err(format!("travel lists viewpoint {to}; viewpoints are numbered from 0"))
         })

@@ -9,7 +9,7 @@ use rayon::ThreadPool;
 use crate::actions;
 use crate::belief::PyBelief;
 use crate::budget::{self, budget, outside_pools, thread_pool};
-use crate::convert::{self, count, index};
+use crate::convert::{self, Whole, count, index};
 use crate::errors::to_python;
 use crate::model::PySortingModel;
 use crate::plan::PyPlan;
@@ -91,13 +91,13 @@ impl PyDespot {
     fn new(
         py: Python<'_>,
         model: &PySortingModel,
-        scenarios: i64,
-        seed: i128,
-        threads: Option<i64>,
+        scenarios: Whole,
+        seed: Whole,
+        threads: Option<Whole>,
         seconds: Option<f64>,
-        trials: Option<i64>,
+        trials: Option<Whole>,
         regularization: Option<f64>,
-        depth: Option<i64>,
+        depth: Option<Whole>,
     ) -> PyResult<Self> {
         let config = DespotConfig {
             scenarios: count("scenarios", scenarios)?,
@@ -139,9 +139,9 @@ impl PyDespot {
         &self,
         py: Python<'_>,
         belief: PyBelief,
-        viewpoint: i64,
+        viewpoint: Whole,
         seconds: Option<f64>,
-        trials: Option<i64>,
+        trials: Option<Whole>,
     ) -> PyResult<PyPlan> {
         belief.check_is_of(&self.model)?;
         let budget = budget(seconds, trials)?.unwrap_or(self.planner.budget);
@@ -167,7 +167,7 @@ impl PyDespot {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: i64) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
         let plan = self.plan(py, belief, viewpoint, None, None)?;
         actions::to_python(py, plan.0.action)
     }

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 
 use crate::budget::thread_pool;
-use crate::convert::{self, count, index};
+use crate::convert::{self, Whole, count, index};
 use crate::despot::PyDespot;
 use crate::errors::{ArgumentError, to_python};
 use crate::evaluation::PyEvaluation;
@@ -79,14 +79,14 @@ pub fn evaluate(
     py: Python<'_>,
     model: &PySortingModel,
     policy: &Bound<'_, PyAny>,
-    batches: i64,
-    batch_size: i64,
-    seed: i128,
-    threads: Option<i64>,
-    viewpoint: i64,
+    batches: Whole,
+    batch_size: Whole,
+    seed: Whole,
+    threads: Option<Whole>,
+    viewpoint: Whole,
     true_classes: Option<&Bound<'_, PyAny>>,
     truth: Option<&PySortingModel>,
-    max_looks: i64,
+    max_looks: Whole,
 ) -> PyResult<PyEvaluation> {
     let config = EvaluationConfig {
         batches: count("batches", batches)?,
@@ -124,8 +124,8 @@ pub fn evaluate(
 
 /// A list of labels to draw from, or an array with a row per batch.
 fn classes(value: &Bound<'_, PyAny>) -> PyResult<TrueClasses> {
-    if let Ok(labels) = value.extract::<Vec<i64>>() {
-        let to_index = |label: &i64| index("true class", *label);
+    if let Ok(labels) = value.extract::<Vec<Whole>>() {
+        let to_index = |label: &Whole| index("true class", *label);
         return Ok(TrueClasses::UniformlyFrom(labels.iter().map(to_index).collect::<PyResult<_>>()?));
     }
     let rows = convert::rows("true_classes", value).and_then(|rows| {

@@ -8,7 +8,7 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4};
 use pyo3::prelude::*;
 
-use crate::convert::{self, count, read_only, scalar_or_matrix, tables};
+use crate::convert::{self, Whole, count, read_only, scalar_or_matrix, tables};
 use crate::errors::to_python;
 
 /// The sorting POMDP: sets, observation tables, rewards and travel. It does not change once made.
@@ -95,7 +95,7 @@ impl PySortingModel {
         motion_cost: Option<&Bound<'_, PyAny>>,
         discount: f64,
         arrival: Option<Vec<f64>>,
-        travel: Option<Vec<Vec<i64>>>,
+        travel: Option<Vec<Vec<Whole>>>,
         observe_after_decision: bool,
         repeat: Option<&Bound<'_, PyAny>>,
         counts: Option<&Bound<'_, PyAny>>,
@@ -276,7 +276,7 @@ impl PySortingModel {
     /// ------
     /// ArgumentError
     ///     For less than 1 or more than H.
-    fn with_positions(&self, positions: i64) -> PyResult<Self> {
+    fn with_positions(&self, positions: Whole) -> PyResult<Self> {
         let positions = count("positions", positions)?;
         Ok(Self(Arc::new(self.0.with_positions(positions).map_err(to_python)?)))
     }

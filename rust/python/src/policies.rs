@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::actions;
 use crate::belief::PyBelief;
-use crate::convert::{count, index};
+use crate::convert::{Whole, count, index};
 use crate::errors::to_python;
 use crate::model::PySortingModel;
 
@@ -46,7 +46,7 @@ pub struct PyThreshold {
 impl PyThreshold {
     #[new]
     #[pyo3(signature = (model, threshold, viewpoint=None))]
-    fn new(model: &PySortingModel, threshold: f64, viewpoint: Option<i64>) -> PyResult<Self> {
+    fn new(model: &PySortingModel, threshold: f64, viewpoint: Option<Whole>) -> PyResult<Self> {
         let viewpoint = viewpoint.map(|v| index("viewpoint", v)).transpose()?;
         let policy = Threshold::new(&model.0, threshold, viewpoint).map_err(to_python)?;
         Ok(Self { policy, model: Arc::clone(&model.0) })
@@ -70,7 +70,7 @@ impl PyThreshold {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: i64) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
         act(py, &self.policy, &self.model, &belief, viewpoint)
     }
 
@@ -115,7 +115,7 @@ pub struct PyInformationGain {
 impl PyInformationGain {
     #[new]
     #[pyo3(signature = (model, threshold, positions=1))]
-    fn new(model: &PySortingModel, threshold: f64, positions: i64) -> PyResult<Self> {
+    fn new(model: &PySortingModel, threshold: f64, positions: Whole) -> PyResult<Self> {
         let positions = count("positions", positions)?;
         let policy = InformationGain::new(&model.0, threshold, positions).map_err(to_python)?;
         Ok(Self { policy, model: Arc::clone(&model.0) })
@@ -139,7 +139,7 @@ impl PyInformationGain {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: i64) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
         act(py, &self.policy, &self.model, &belief, viewpoint)
     }
 
@@ -155,7 +155,7 @@ fn act(
     policy: &dyn Policy,
     model: &Arc<SortingModel>,
     belief: &PyBelief,
-    viewpoint: i64,
+    viewpoint: Whole,
 ) -> PyResult<Py<PyAny>> {
     belief.check_is_of(model)?;
     let action = policy.act(&belief.belief, index("viewpoint", viewpoint)?).map_err(to_python)?;
