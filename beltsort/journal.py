@@ -79,7 +79,7 @@ class Journal:
         self.path = path
         self.object: int | None = None
         self._listener = listener
-        self._written = 0
+        self._commands = 0
         with self._failing_as("made"):
             self._database = sqlite3.connect(path, isolation_level=None)
             self._database.execute("PRAGMA journal_mode=WAL")
@@ -90,13 +90,13 @@ class Journal:
     def append(self, kind: str, **data: Any) -> Entry:
         """Write one entry; it is on the disk when this returns."""
         time = datetime.now(UTC).isoformat()
-        entry = Entry(self._written + 1, time, kind, self.object, data)
         with self._failing_as("written"):
-            self._database.execute(
-                "INSERT INTO entries VALUES (?, ?, ?, ?, ?)",
-                (entry.number, time, kind, entry.object, json.dumps(data)),
+            # SQLite numbers the entries: an interrupt cannot part its count from what is written.
+            cursor = self._database.execute(
+                "INSERT INTO entries (time, kind, object, data) VALUES (?, ?, ?, ?)",
+                (time, kind, self.object, json.dumps(data)),
             )
-        self._written = entry.number
+        entry = Entry(int(cursor.lastrowid or 0), time, kind, self.object, data)
         if self._listener:
             self._listener(entry)
         return entry
@@ -105,9 +105,10 @@ class Journal:
     def command(self, name: str, **target: Any) -> Iterator[str]:
         """Frame an actuator command by its intent and its outcome; the value is the command's id.
 
-        The id is the intent's number: unique in the run, and the same when the command is repeated.
+        The id is unique in the run; whoever repeats the command repeats the id.
         """
-        command_id = f"{name}-{self._written + 1}"
+        self._commands += 1
+        command_id = f"{name}-{self._commands}"
         self.append("intent", command_id=command_id, command=name, **target)
         try:
             yield command_id
@@ -161,5 +162,5 @@ def read_journal(path: Path) -> list[Entry]:
         finally:
             database.close()
         return [Entry(number, time, kind, obj, json.loads(data)) for number, time, kind, obj, data in rows]
-    except sqlite3.Error as reason:
+    except (sqlite3.Error, ValueError) as reason:
         raise JournalError(f"{path} cannot be read as a journal: {reason}") from reason

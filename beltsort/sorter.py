@@ -5,7 +5,15 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import beltsort
-from beltsort._core import Belief, Decide, Despot, Move, SortingModel
+from beltsort._core import (
+    Belief,
+    Decide,
+    Despot,
+    ImpossibleObservationError,
+    Move,
+    PolicyError,
+    SortingModel,
+)
 from beltsort.cell.protocols import Cell, Scan
 from beltsort.errors import CellError, CloudError
 from beltsort.journal import Journal
@@ -37,7 +45,8 @@ class Rules:
         An object scanned this often is decided as its most likely class, or goes to the cell's `reject_bin`.
         With poor tables and a large penalty, looking for ever would be optimal.
     empty_looks
-        A position seen empty in so many scans in a row is empty.
+        A position seen empty in so many scans in a row, each from another viewpoint as far as there are, is
+        empty.
     impossible_labels
         So many labels in a row that the belief holds impossible are treated like `max_looks`.
     scan_attempts
@@ -182,18 +191,31 @@ class _Loop:
     def step(self) -> None:
         """Skip an empty place, decide where a rule says so, or do what the policy names."""
         belt_end = self.visible[0]
-        if len(belt_end.empty) >= self.rules.empty_looks:
+        if self.known_empty():
             self.skip()
+        elif confirming := self.confirmation():
+            self.look_from(confirming.viewpoint)
         elif belt_end.looks >= self.rules.max_looks:
             self.decide(self.belief.most_likely(0)[0], forced="max_looks")
         elif belt_end.impossible >= self.rules.impossible_labels:
             self.decide(self.belief.most_likely(0)[0], forced="impossible_labels")
         else:
-            match self.confirmation() or self.plan():
-                case Move(viewpoint):
-                    self.look_from(viewpoint)
-                case Decide(label):
-                    self.decide(label)
+            self.follow_policy()
+
+    def follow_policy(self) -> None:
+        """Plan, and do it."""
+        match self.plan():
+            case Move(viewpoint):
+                self.look_from(viewpoint)
+            case Decide(label):
+                self.decide(label)
+
+    def known_empty(self) -> bool:
+        """Whether the belt end was seen empty often enough, and from enough viewpoints where there are."""
+        seen = self.visible[0].empty
+        untried = set(self.model.travel[self.viewpoint]) - set(seen)
+        enough = self.rules.empty_looks
+        return len(seen) >= enough and (len(set(seen)) >= enough or not untried)
 
     def confirmation(self) -> Move | None:
         """Return the move that would confirm an empty belt end, to a viewpoint not tried yet if possible."""
@@ -202,25 +224,35 @@ class _Loop:
         if not tried or not legal:
             return None
         move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
-        self.journal.append("plan", action=repr(move), why="the belt end was seen empty: look again")
+        self.journal.append("plan", action=_plain(move), why="the belt end was seen empty: look again")
         return move
 
     def plan(self) -> Move | Decide:
         """Ask the policy."""
         if not isinstance(self.policy, Despot):
             action = self.policy.act(self.belief.copy(), self.viewpoint)
-            self.journal.append("plan", action=repr(action))
+            self.check_legal(action)
+            self.journal.append("plan", action=_plain(action))
             return action
         plan = self.policy.plan(self.belief, self.viewpoint)
         self.journal.append(
             "plan",
-            action=repr(plan.action),
-            values={repr(action): value for action, value in plan.values.items()},
+            action=_plain(plan.action),
+            values=[{**_plain(action), "value": value} for action, value in plan.values.items()],
             lower=plan.lower,
             upper=plan.upper,
             trials=plan.trials,
         )
         return plan.action
+
+    def check_legal(self, action: object) -> None:
+        """Refuse what the model does not allow, before anything moves."""
+        moves = [Move(viewpoint) for viewpoint in self.model.travel[self.viewpoint]]
+        legal = [*moves, *(Decide(label) for label in range(len(self.model.classes)))]
+        if action not in legal:
+            raise PolicyError(
+                f"the policy returned {action!r} at viewpoint {self.viewpoint}; legal are {legal}"
+            )
 
     def look_from(self, viewpoint: int) -> None:
         """Move, scan, perceive, and update the belief."""
@@ -230,27 +262,32 @@ class _Loop:
         self.steps += 1
         perceived = self.scan(arrival)
         probabilities = self.belief.label_probabilities(viewpoint)
-        labels, dropped = [], []
+        dropped = []
         for position, (seen, what) in enumerate(zip(self.visible, perceived, strict=True)):
             seen.looks += 1
             seen.empty = [*seen.empty, viewpoint] if what.empty else []
-            label = what.label
-            if label is not None and not probabilities[position, label] > 0.0:
-                dropped.append({"position": position, "label": label, "probability": 0.0})
-                seen.impossible += 1
-                label = None
-            elif label is not None:
-                seen.impossible = 0
-            labels.append(label)
-        self.belief.observe(viewpoint, labels)
+            if what.label is not None and not self.take_in(position, what.label):
+                probability = float(probabilities[position, what.label])
+                dropped.append({"position": position, "label": what.label, "probability": probability})
         self.journal.append(
             "scan",
             viewpoint=viewpoint,
-            labels=labels,
+            labels=[what.label for what in perceived],
             empty=[what.empty for what in perceived],
             dropped=dropped,
             belief=self.belief.probabilities.tolist(),
         )
+
+    def take_in(self, position: int, label: int) -> bool:
+        """Update the belief about one position; return False, and only count, if the label is impossible."""
+        labels = [label if j == position else None for j in range(self.model.positions)]
+        try:
+            self.belief.observe(self.viewpoint, labels)
+        except ImpossibleObservationError:
+            self.visible[position].impossible += 1
+            return False
+        self.visible[position].impossible = 0
+        return True
 
     def scan(self, arrival: float) -> Sequence[PerceivedPosition]:
         """Take a scan that perception can use."""
@@ -295,6 +332,15 @@ class _Loop:
         self.journal.object = self.index
         self.belief.advance()
         self.visible = [*self.visible[1:], _Seen()]
+
+
+def _plain(action: Move | Decide) -> dict[str, int]:
+    """Return an action as the journal keeps it."""
+    match action:
+        case Move(viewpoint):
+            return {"move": viewpoint}
+        case Decide(label):
+            return {"decide": label}
 
 
 def _check_fit(cell: Cell, model: SortingModel) -> None:

@@ -34,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments.command_line = shlex.join(["beltsort", *given])
     try:
         code: int = arguments.run(arguments)
-    except (BeltsortError, OSError) as error:
+    except (BeltsortError, OSError, OverflowError) as error:
         print("beltsort: error:", " ".join(str(error).split()), file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:

@@ -1,13 +1,16 @@
 """Arguments that several commands share."""
 
-from argparse import ArgumentParser, _SubParsersAction
+from argparse import ArgumentParser, Namespace, _SubParsersAction
 from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from beltsort import ArgumentError
 
 Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
+
+
+DEFAULT_TRIALS = 20  # milliseconds per plan on the paper's model
 
 
 def add_json(parser: ArgumentParser) -> None:
@@ -23,8 +26,17 @@ def add_model(parser: ArgumentParser) -> None:
 def add_budget(parser: ArgumentParser) -> None:
     """Add the two ways to say how long one plan may take."""
     budget = parser.add_mutually_exclusive_group()
-    budget.add_argument("--trials", type=int, metavar="N", help="trials per plan: reproducible")
-    budget.add_argument("--seconds", type=float, metavar="S", help="seconds per plan (default: 0.01)")
+    budget.add_argument(
+        "--trials", type=int, metavar="N", help=f"trials per plan: reproducible (default: {DEFAULT_TRIALS})"
+    )
+    budget.add_argument("--seconds", type=float, metavar="S", help="seconds per plan")
+
+
+def budget_of(arguments: Namespace) -> dict[str, Any]:
+    """Return the budget that was given, as keywords of `Despot` and `Despot.plan`."""
+    if arguments.seconds is not None:
+        return {"seconds": arguments.seconds}
+    return {"trials": DEFAULT_TRIALS if arguments.trials is None else arguments.trials}
 
 
 def index_of(text: str, names: Sequence[str], what: str) -> int:

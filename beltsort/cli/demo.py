@@ -51,11 +51,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console
 
-    from beltsort.experiments.demo import as_json, new_run_folder, run_demo
+    from beltsort.experiments.demo import as_json, check_seed, make_folder, run_demo, run_name
     from beltsort.tables.prepare import prepare
 
     console = Console(stderr=arguments.json, highlight=False, soft_wrap=True)
-    folder = new_run_folder(Path("runs"))
+    # Whatever can be refused is refused before minutes are spent.
+    check_seed(arguments.seed)
+    runs = make_folder(Path("runs"))
     with _stages(console) as stage:
         prepared = prepare(
             training_objects=arguments.training_objects,
@@ -64,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     _tell_tables(console, prepared)
     with _listener(console) as listener:
-        result = run_demo(prepared, arguments.seed, folder, listener)
+        result = run_demo(prepared, arguments.seed, make_folder(runs / run_name()), listener)
     _tell_result(console, result)
     if arguments.json:
         print_json(as_json(result, arguments.seed))
@@ -125,7 +127,9 @@ def _tell_tables(console: "Console", prepared: "Prepared") -> None:
     names = [viewpoint.name for viewpoint in config.viewpoints]
     tables = prepared.counts.probabilities(1.0)
     where = "from the cache" if prepared.cached else "estimated now"
-    console.print(f"observation tables {where}: {prepared.objects} scans per row, each of another object")
+    scans = prepared.counts.counts.sum(axis=-1)
+    per_row = f"{scans.min()}" if scans.min() == scans.max() else f"{scans.min()} to {scans.max()}"
+    console.print(f"observation tables {where}: {per_row} scans per row, each of another object")
     console.print(table_one(tables, config.classes, names, true=0), markup=False)
     console.print(table_two(tables, config.classes, names, trues=(0, 1)), markup=False)
     console.print(agreement_text(prepared.counts, names), markup=False)

@@ -4,7 +4,7 @@ from argparse import Namespace
 
 from beltsort import ArgumentError, Despot, Evaluation, InformationGain, Policy, SortingModel, Threshold
 from beltsort import evaluate as simulate
-from beltsort.cli.arguments import Subparsers, add_budget, add_json, add_model, index_of
+from beltsort.cli.arguments import Subparsers, add_budget, add_json, add_model, budget_of, index_of
 from beltsort.cli.output import number_or_none, print_json, print_table
 
 OPTIONS_OF = {
@@ -66,7 +66,7 @@ def make_policy(arguments: Namespace, model: SortingModel) -> Policy:
                 f"--{option.replace('_', '-')} means nothing to --policy {arguments.policy}; leave it out"
             )
     if arguments.policy == "despot":
-        return Despot(model, trials=arguments.trials, seconds=arguments.seconds)
+        return Despot(model, **budget_of(arguments))
     if arguments.threshold is None:
         raise ArgumentError(f"--policy {arguments.policy} needs --threshold, 0.94 for example")
     if arguments.policy == "threshold":

@@ -44,16 +44,21 @@ class Narrator:
         """Return the reason of a plan: the values of its best action and of the next best."""
         if "values" not in plan:
             return str(plan.get("why", ""))
-        best, *others = sorted(plan["values"].items(), key=lambda item: -item[1])
+        best, *others = sorted(plan["values"], key=lambda action: -action["value"])
         if not others:
-            return f"{self.name(best[0])} is the only legal action"
-        return f"{self.name(best[0])} is worth {best[1]:.2f}, {self.name(others[0][0])} {others[0][1]:.2f}"
+            return f"{self.name(best)} is the only legal action"
+        return " ".join(
+            [
+                f"{self.name(best)} is worth {best['value']:.2f},",
+                f"{self.name(others[0])} {others[0]['value']:.2f}",
+            ]
+        )
 
-    def name(self, action: str) -> str:
-        """Return an action as the journal writes it, `Move(viewpoint=2)`, in words."""
-        kind, _, index = action.rstrip(")").partition("(")
-        number = int(index.partition("=")[2])
-        return f"look from {self.viewpoints[number]}" if kind == "Move" else f"decide {self.classes[number]}"
+    def name(self, action: dict[str, Any]) -> str:
+        """Return an action as the journal keeps it, `{"move": 2}`, in words."""
+        if "move" in action:
+            return f"look from {self.viewpoints[action['move']]}"
+        return f"decide {self.classes[action['decide']]}"
 
     def likely(self, row: list[float]) -> str:
         """Return the most likely class of one position and its probability."""

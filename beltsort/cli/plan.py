@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from beltsort import ArgumentError, Belief, Despot, Plan, SortingModel
-from beltsort.cli.arguments import Subparsers, add_budget, add_json, add_model, index_of
+from beltsort.cli.arguments import Subparsers, add_budget, add_json, add_model, budget_of, index_of
 from beltsort.cli.output import action_as_json, action_in_words, print_json, print_table
 
 NOTHING_SEEN = "-"
@@ -44,8 +44,7 @@ def run(arguments: Namespace) -> int:
         model,
         scenarios=arguments.scenarios,
         seed=arguments.seed,
-        seconds=arguments.seconds,
-        trials=arguments.trials,
+        **budget_of(arguments),
     )
     show = show_json if arguments.json else show_text
     show(model, belief, viewpoint, planner.plan(belief, viewpoint))

@@ -59,22 +59,38 @@ def true_labels(seed: int, classes: tuple[str, ...]) -> tuple[int, ...]:
     return tuple(classes.index(DRAWN_FROM[i]) for i in rng.integers(len(DRAWN_FROM), size=OBJECTS))
 
 
-def new_run_folder(parent: Path) -> Path:
-    """Make and return a folder named after the time.
+def check_seed(seed: int) -> None:
+    """Refuse a seed that numpy would.
+
+    Raises
+    ------
+    ArgumentError
+        If the seed is negative.
+    """
+    if seed < 0:
+        raise beltsort.ArgumentError(f"seed is {seed}; give a whole number from 0 on")
+
+
+def make_folder(folder: Path) -> Path:
+    """Make a folder for runs, or for one run, and return it.
 
     Raises
     ------
     JournalError
         If it cannot be made.
     """
-    folder = parent / datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
     try:
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as reason:
         raise JournalError(
             f"the run folder {folder} cannot be made: {reason}; work in a folder that can be written"
         ) from reason
     return folder
+
+
+def run_name() -> str:
+    """Return a name for a run of now."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
 
 
 def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | None = None) -> DemoResult:
@@ -98,8 +114,7 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
     ArgumentError
         If the seed is negative.
     """
-    if seed < 0:
-        raise beltsort.ArgumentError(f"seed is {seed}; give a whole number from 0 on")
+    check_seed(seed)
     config = CellConfig()
     began = perf_counter()
     names = [viewpoint.name for viewpoint in config.viewpoints]

@@ -1,6 +1,9 @@
+import contextlib
+import signal
 import sqlite3
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -25,7 +28,7 @@ def test_entries_read_back_as_written(tmp_path: Path) -> None:
         journal.append("start", objects=3)
         journal.object = 0
         with journal.command("move", viewpoint=1) as command_id:
-            assert command_id == "move-2"
+            assert command_id == "move-1"
     entries = read_journal(tmp_path / "j")
     assert entries == heard
     assert [(e.number, e.kind, e.object) for e in entries] == [
@@ -80,3 +83,29 @@ def test_what_is_no_journal_is_refused(tmp_path: Path) -> None:
     sqlite3.connect(tmp_path / "other").execute("CREATE TABLE t (x)").connection.close()
     with pytest.raises(JournalError, match="version"):
         read_journal(tmp_path / "other")
+
+
+def test_interrupts_at_any_moment_leave_a_readable_journal(tmp_path: Path) -> None:
+    """Entries are numbered by the database, so an interrupt cannot make two of them collide."""
+    for run in range(20):
+        with Journal(tmp_path / str(run)) as journal:
+            signal.setitimer(signal.ITIMER_REAL, 0.002 + run * 0.0005)
+            with contextlib.suppress(KeyboardInterrupt):
+                while True:
+                    journal.append("scan")
+            journal.append("end")
+        numbers = [entry.number for entry in read_journal(tmp_path / str(run))]
+        assert numbers == list(range(1, len(numbers) + 1))
+
+
+@pytest.fixture(autouse=True)
+def _alarm_interrupts() -> Iterator[None]:
+    """Let SIGALRM do what SIGINT does."""
+
+    def interrupt(_signal: int, _frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    yield
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
+    signal.signal(signal.SIGALRM, before)

@@ -103,11 +103,37 @@ def test_empty_place_is_confirmed_from_elsewhere_then_skipped(tmp_path: Path) ->
     assert cell.acts.count(("sort", 1)) == 1
 
 
-def test_emptiness_seen_upstream_travels_with_the_belt(tmp_path: Path) -> None:
-    scans = [[1, EMPTY], [1, EMPTY], [0, None]]
-    rules = Rules(max_looks=2)
-    report, _ = run(tmp_path, ScriptedCell(PAPER), scans, AlwaysLook(), objects=2, rules=rules)
+def test_emptiness_seen_upstream_is_confirmed_from_elsewhere(tmp_path: Path) -> None:
+    # Seen empty twice from p1 on its way; only a look from another viewpoint settles it.
+    rules = Rules(max_looks=3)
+    hidden = [[1, EMPTY], [1, EMPTY], [1, EMPTY], [2, None], *[[2, None]] * 3]
+    cell = ScriptedCell(PAPER)
+    report, _ = run(tmp_path, cell, hidden, AlwaysLook(), objects=2, rules=rules)
+    assert report.skipped == ()
+    assert [(d.object, d.looks) for d in report.decisions] == [(0, 3), (1, 4)]
+
+
+def test_emptiness_seen_upstream_counts(tmp_path: Path) -> None:
+    rules = Rules(max_looks=1)
+    report, entries = run(
+        tmp_path, ScriptedCell(PAPER), [[1, EMPTY], [EMPTY, None]], AlwaysLook(), objects=2, rules=rules
+    )
     assert report.skipped == (1,)
+    assert next(e for e in entries if e.kind == "skip").data["viewpoints"] == [0, 1]
+
+
+@pytest.mark.parametrize("action", [None, "Decide(0)", Move(2), Decide(4)])
+def test_illegal_actions_are_refused_before_anything_moves(tmp_path: Path, action: object) -> None:
+    class Stubborn:
+        def act(self, belief: Belief, viewpoint: int) -> object:
+            return action
+
+    travel = [[0, 1], [0, 1, 2], [1, 2]]
+    model = beltsort.SortingModel(PAPER.classes, PAPER.viewpoints, PAPER.p_obs, travel=travel)
+    cell = ScriptedCell(model)
+    with pytest.raises(beltsort.PolicyError, match="the policy returned"):
+        run(tmp_path, cell, [], Stubborn(), objects=1)
+    assert cell.acts == [("move", 0)], "only the start"
 
 
 def test_an_object_that_shows_again_is_not_empty(tmp_path: Path) -> None:
@@ -118,7 +144,7 @@ def test_an_object_that_shows_again_is_not_empty(tmp_path: Path) -> None:
 
 
 def test_impossible_labels_are_dropped_and_end_the_looking(tmp_path: Path) -> None:
-    # From p1, elongated at the belt end is never seen as mushroom, nor mushroom as anything impossible.
+    # From p1, elongated at the belt end is never seen as mushroom.
     certain = beltsort.SortingModel(
         PAPER.classes, PAPER.viewpoints, PAPER.p_obs, arrival=[1.0, 0.0, 0.0, 0.0]
     )
@@ -162,6 +188,8 @@ def test_a_plan_is_journalled_with_its_reasons(tmp_path: Path) -> None:
     planner = beltsort.Despot(PAPER, trials=2, scenarios=50)
     _, entries = run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), planner, objects=1)
     plans = [entry.data for entry in entries if entry.kind == "plan"]
-    assert plans[0]["action"].startswith("Move")
+    assert set(plans[0]["action"]) == {"move"}
     assert set(plans[0]) == {"action", "values", "lower", "upper", "trials"}
     assert len(plans[0]["values"]) == 7
+    best = max(plans[0]["values"], key=lambda action: action["value"])
+    assert plans[0]["action"] == {"move": best["move"]}

@@ -46,7 +46,7 @@ pub fn thread_pool(threads: Whole) -> PyResult<ThreadPool> {
     let count =
         usize::try_from(threads).ok().filter(|n| (1..=MOST_THREADS).contains(n)).ok_or_else(|| {
             ArgumentError::new_err(format!(
-                "threads = {threads}; give between 1 and {MOST_THREADS}, or leave it out for all cores"
+                "threads = {threads}; give at least 1 and at most {MOST_THREADS}, or leave it out for all cores"
             ))
         })?;
     rayon::ThreadPoolBuilder::new()

@@ -24,7 +24,7 @@ pub fn index(name: &str, value: Whole) -> PyResult<usize> {
 pub fn count(name: &str, value: Whole) -> PyResult<usize> {
     usize::try_from(value).map_err(|_| {
         ArgumentError::new_err(format!(
-            "{name} = {value}; give a whole number from 1 on that a computer can count"
+            "{name} = {value}; give at least 1, and no more than a machine can count"
         ))
     })
 }
