@@ -1,20 +1,30 @@
+import doctest
+import os
+import pkgutil
+import signal
+import time
 from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import beltsort
 from beltsort.cell.simulated import CellConfig
+from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.tables import (
     Counts,
     Look,
     agreement_text,
+    collect,
     collect_counts,
     collect_training,
     count,
     table_one,
     table_two,
 )
+from beltsort.tables.collect import Round
 
 CLASSES, VIEWPOINTS = ("lamp", "tube"), ("low", "high")
 
@@ -65,7 +75,7 @@ def test_smoothed_rows_sum_to_one_and_have_no_zeros() -> None:
     assert p_obs.min() > 0.0
 
 
-@pytest.mark.parametrize("smoothing", [0.0, -1.0, float("nan")])
+@pytest.mark.parametrize("smoothing", [0.0, -1.0, float("nan"), float("inf"), 1e308])
 def test_smoothing_must_be_positive(smoothing: float) -> None:
     with pytest.raises(beltsort.ArgumentError, match="expected a positive number"):
         independent(1, 0.5).probabilities(smoothing)
@@ -128,6 +138,60 @@ def test_at_least_one_object_is_collected() -> None:
         collect_training(objects=0)
 
 
+@pytest.mark.parametrize("workers", [0, -1])
+def test_at_least_one_process_works(workers: int) -> None:
+    with pytest.raises(beltsort.ArgumentError, match=f"workers is {workers}, expected at least 1"):
+        collect_training(workers=workers)
+
+
+def test_by_default_a_worker_has_each_core_that_may_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _pid: {3, 5, 6}, raising=False)
+    assert collect._cores() == 3
+    monkeypatch.delattr(os, "sched_getaffinity")
+    monkeypatch.setattr(os, "cpu_count", lambda: 7)
+    assert collect._cores() == 7
+
+
+def killed(_config: CellConfig, _perception: PerceptionConfig, _work: Round) -> None:
+    os._exit(9)
+
+
+def test_a_dead_worker_is_one_error_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(collect, "_described", killed)
+    with pytest.raises(beltsort.BeltsortError, match=r"a worker process died.*memory.*__main__") as raised:
+        collect_training(objects=1, workers=2)
+    assert raised.value.__suppress_context__, "the pool's own traceback is not shown"
+
+
+def one_look_if_deaf(_config: CellConfig, _database: NearestNeighbour, _work: Round) -> list[Look]:
+    return [Look(0, 0, 0, 0)] if signal.getsignal(signal.SIGINT) is signal.SIG_IGN else []
+
+
+def test_workers_leave_ctrl_c_to_the_parent(monkeypatch: pytest.MonkeyPatch, small: CellConfig) -> None:
+    monkeypatch.setattr(collect, "_labelled", one_look_if_deaf)
+    database = NearestNeighbour.train(np.ones((1, 308)), [0], small.classes)
+    assert collect_counts(database, small, objects=4, workers=2).counts.sum() == 4
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def leave_a_mark(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> None:
+    time.sleep(0.02)
+    (Path(os.environ["MARKS"]) / str(work.number)).touch()
+
+
+def test_after_ctrl_c_no_further_rounds_are_begun(
+    monkeypatch: pytest.MonkeyPatch, small: CellConfig, tmp_path: Path
+) -> None:
+    def interrupt(_done: int, _total: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(collect, "_described", leave_a_mark)
+    monkeypatch.setenv("MARKS", str(tmp_path))
+    with pytest.raises(KeyboardInterrupt):
+        collect_training(small, objects=200, workers=2, progress=interrupt)
+    assert len(list(tmp_path.iterdir())) < 100
+
+
 def test_collected_counts_are_complete_and_do_not_depend_on_processes(small: CellConfig) -> None:
     calls: list[tuple[int, int]] = []
     database = collect_training(
@@ -140,3 +204,11 @@ def test_collected_counts_are_complete_and_do_not_depend_on_processes(small: Cel
         np.testing.assert_array_equal(getattr(alone, field), getattr(together, field))
     np.testing.assert_array_equal(alone.counts.sum(axis=-1) + alone.missed, 2)
     assert alone.accuracy().mean() > 0.25
+
+
+MODULES = [module.name for module in pkgutil.walk_packages(beltsort.tables.__path__, "beltsort.tables.")]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples(name: str) -> None:
+    assert doctest.testmod(import_module(name)).failed == 0

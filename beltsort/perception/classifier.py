@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beltsort.errors import DatabaseError
+from beltsort.perception.checks import as_array
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.vfh import LENGTH, Histogram
 
@@ -74,7 +75,7 @@ class NearestNeighbour:
 
     def __post_init__(self) -> None:
         """Refuse arrays that are no database."""
-        n = len(self.labels)
+        n = self.labels.size
         if n == 0 or self.descriptors.shape != (n, LENGTH) or self.labels.shape != (n,):
             raise DatabaseError(
                 f"descriptors and labels have shapes {self.descriptors.shape} and {self.labels.shape}, "
@@ -114,28 +115,25 @@ class NearestNeighbour:
         Raises
         ------
         DatabaseError
-            If shapes do not fit, a value is no histogram's, or a label has no class.
+            If shapes do not fit, a value is no number or no histogram's, or a label has no class.
         """
-        rows, index = np.array(descriptors, dtype=np.float64), np.array(labels)
+        rows = as_array("descriptors", descriptors, DatabaseError).copy()
+        index = as_array("labels", labels, DatabaseError, dtype=None)
         if index.size and index.dtype.kind not in "iu":
             raise DatabaseError(f"labels are {index.dtype}, expected integers: give class indices, not names")
         return cls(rows, index.astype(np.int64), tuple(classes), config or PerceptionConfig())
 
-    def match(self, descriptor: Histogram) -> Match:
+    def match(self, descriptor: ArrayLike) -> Match:
         """Return the nearest entry of `descriptor`, shape (308,); the first of equally near ones wins.
 
         Raises
         ------
         DatabaseError
-            If the descriptor has another shape or a value that is not finite.
+            If the descriptor has another shape or a value that is negative or not finite.
         """
-        if np.shape(descriptor) != (LENGTH,) or not np.isfinite(descriptor).all():
-            raise DatabaseError(
-                f"the descriptor has shape {np.shape(descriptor)}, expected ({LENGTH},) and finite values: "
-                "compute it with describe"
-            )
-        seen = descriptor > 0.0
-        stored, query = self.descriptors[:, seen], descriptor[seen]
+        histogram = _checked(descriptor)
+        seen = histogram > 0.0
+        stored, query = self.descriptors[:, seen], histogram[seen]
         distances = ((stored - query) ** 2 / (stored + query)).sum(axis=1)
         distances += self.descriptors[:, ~seen].sum(axis=1)
         nearest = int(distances.argmin())
@@ -185,3 +183,18 @@ class NearestNeighbour:
                 f"cannot read the database {path}: {reason}; "
                 "expected a .npz file that NearestNeighbour.save wrote: train again"
             ) from reason
+
+
+def _checked(descriptor: ArrayLike) -> Histogram:
+    histogram: Histogram = as_array("descriptor", descriptor, DatabaseError)
+    if histogram.shape != (LENGTH,):
+        raise DatabaseError(
+            f"the descriptor has shape {histogram.shape}, expected ({LENGTH},): compute it with describe"
+        )
+    bad = ~(np.isfinite(histogram) & (histogram >= 0.0))
+    if bad.any():
+        raise DatabaseError(
+            f"the descriptor holds {histogram[bad][0]} in bin {bad.argmax()}, expected finite values, none "
+            "negative: compute it with describe"
+        )
+    return histogram

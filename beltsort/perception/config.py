@@ -3,7 +3,7 @@
 import sys
 from dataclasses import asdict, dataclass
 
-from beltsort.errors import CloudError
+import beltsort
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,6 @@ class PerceptionConfig:
         for name, value in asdict(self).items():
             most = 1.0 if name == "cluster_share" else sys.float_info.max
             if name != "size_component" and not 0.0 < value <= most:
-                raise CloudError(
+                raise beltsort.ArgumentError(
                     f"{name} is {value}, expected above 0 and finite, a share up to 1: start from the default"
                 )

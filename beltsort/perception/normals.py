@@ -1,13 +1,13 @@
 """Surface normals that face the camera."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from beltsort.errors import CloudError
 from beltsort.geometry import Points
-from beltsort.perception.vfh import FEWEST_POINTS
+from beltsort.perception.vfh import checked_view
 
 
-def oriented_normals(points: Points, viewpoint: Points, neighbours: int) -> Points:
+def oriented_normals(points: ArrayLike, viewpoint: ArrayLike, neighbours: int) -> Points:
     """Return unit normals, each on the side of its surface from which the camera looks, shape (n, 3).
 
     Parameters
@@ -22,18 +22,14 @@ def oriented_normals(points: Points, viewpoint: Points, neighbours: int) -> Poin
     Raises
     ------
     CloudError
-        If there are fewer than three points or one is not finite.
+        If the shapes do not fit, a value is no finite number, or there are fewer than three points.
     """
-    if len(points) < FEWEST_POINTS or not np.isfinite(points).all():
-        raise CloudError(
-            f"of the cloud's {len(points)} points {int(np.isfinite(points).all(axis=1).sum())} are finite; "
-            f"normals need at least {FEWEST_POINTS}, all finite: drop the others or scan again"
-        )
+    seen, eye = checked_view(points, viewpoint)
     import open3d as o3d
 
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
+    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(seen))
     cloud.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(neighbours))
     normals: Points = np.array(cloud.normals)
-    away = np.einsum("ij,ij->i", normals, viewpoint - points) < 0.0
+    away = np.einsum("ij,ij->i", normals, eye - seen) < 0.0
     normals[away] *= -1.0
     return normals

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, fields
 
+from numpy.typing import ArrayLike
+
 from beltsort.errors import DatabaseError
 from beltsort.geometry import BeltLayout, Points
 from beltsort.perception.classifier import NearestNeighbour
@@ -41,7 +43,7 @@ class Perceived:
         return self.points is None
 
 
-def describe(points: Points, camera: Points, config: PerceptionConfig | None = None) -> Histogram:
+def describe(points: ArrayLike, camera: ArrayLike, config: PerceptionConfig | None = None) -> Histogram:
     """Return the descriptor of a candidate, shape (308,).
 
     Parameters
@@ -56,7 +58,8 @@ def describe(points: Points, camera: Points, config: PerceptionConfig | None = N
     Raises
     ------
     CloudError
-        If there are fewer than three points or one is not finite.
+        If the shapes do not fit, a value is no finite number, there are fewer than three points, or
+        the camera is their centroid.
     """
     config = config or PerceptionConfig()
     normals = oriented_normals(points, camera, config.normal_neighbours)
@@ -109,10 +112,6 @@ class Perception:
         """
         segmented = segment(scan, self.layout, self.config)
         return [self._perceive(j, points, segmented.camera) for j, points in enumerate(segmented.candidates)]
-
-    def candidates(self, scan: DepthScan) -> tuple[Points | None, ...]:
-        """Return each position's candidate, shape (n, 3), world frame, metres, or None where it is empty."""
-        return segment(scan, self.layout, self.config).candidates
 
     def _perceive(self, position: int, points: Points | None, camera: Points) -> Perceived:
         if points is None or len(points) < self.config.fewest_labelled:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points, Pose, transform
+from beltsort.perception.checks import as_array
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.level import levelled
 
@@ -70,8 +71,8 @@ def segment(scan: DepthScan, layout: BeltLayout, config: PerceptionConfig | None
 
 
 def _checked(scan: DepthScan) -> Points:
-    points = np.asarray(scan.points, dtype=np.float64)
-    pose = np.asarray(scan.world_from_camera)
+    points = as_array("the scan's points", scan.points, CloudError)
+    pose = as_array("world_from_camera", scan.world_from_camera, CloudError)
     if points.ndim not in (2, 3) or points.shape[-1] != 3:
         raise CloudError(
             f"the scan's points have shape {points.shape}, expected (height, width, 3) or (n, 3): "

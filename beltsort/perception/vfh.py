@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from beltsort.errors import CloudError
 from beltsort.geometry import Points
+from beltsort.perception.checks import as_array
 
 ANGLE_BINS = 45
 VIEWPOINT_BINS = 128
@@ -67,8 +68,8 @@ def vfh(
     Raises
     ------
     CloudError
-        If the shapes do not fit, a value is not finite, there are fewer than three points, or the viewpoint
-        is the centroid.
+        If the shapes do not fit, a value is no finite number, there are fewer than three points, or
+        the viewpoint is the centroid.
 
     References
     ----------
@@ -85,7 +86,8 @@ def vfh(
     >>> float(histogram[307]), float(histogram[180:].sum())
     (100.0, 100.0)
     """
-    p, n, eye = _checked(points, normals, viewpoint)
+    p, eye = checked_view(points, viewpoint)
+    n = _finite("normals", normals, p.shape)
     centroid = p.mean(axis=0)
     offset = p - centroid
     distance = _norm(offset)
@@ -100,6 +102,23 @@ def vfh(
     per_pair, per_point = (1.0, 1.0) if raw_counts else (100.0 / (len(p) - 1), 100.0 / len(p))
     shape = per_pair * np.concatenate(blocks)
     return np.concatenate([shape, per_point * _viewpoint_block(n, eye - centroid, leak)])
+
+
+def checked_view(points: ArrayLike, viewpoint: ArrayLike) -> tuple[Points, Points]:
+    """Return a cloud, shape (n, 3), and the camera's position, shape (3,), both finite.
+
+    Raises
+    ------
+    CloudError
+        If the shapes do not fit, a value is no finite number, or there are fewer than three points.
+    """
+    cloud, eye = _finite("points", points, (-1, 3)), _finite("viewpoint", viewpoint, (3,))
+    if len(cloud) < FEWEST_POINTS:
+        raise CloudError(
+            f"the cloud has {len(cloud)} points, expected at least {FEWEST_POINTS}: "
+            "skip it or scan from closer"
+        )
+    return cloud, eye
 
 
 def _pair_features(offset: Points, distance: NDArray[np.float64], normals: Points) -> NDArray[np.float64]:
@@ -148,25 +167,22 @@ def _histogram(scaled: NDArray[np.float64], bins: int) -> Histogram:
     return counts
 
 
-def _checked(points: ArrayLike, normals: ArrayLike, viewpoint: ArrayLike) -> tuple[Points, Points, Points]:
-    p, n, eye = (np.asarray(a, dtype=np.float64) for a in (points, normals, viewpoint))
-    if p.ndim != 2 or p.shape[1] != 3 or n.shape != p.shape or eye.shape != (3,):
+def _finite(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Points:
+    """Return `given` as a finite array of `shape`, of any length where `shape` says -1."""
+    values: Points = as_array(name, given, CloudError)
+    if values.ndim != len(shape) or any(m not in (-1, n) for n, m in zip(values.shape, shape, strict=True)):
+        expected = str(shape).replace("-1", "n")
         raise CloudError(
-            f"points, normals and viewpoint have shapes {p.shape}, {n.shape} and {eye.shape}, "
-            "expected (n, 3), (n, 3) and (3,): give one unit normal for each point"
+            f"{name} have shape {values.shape}, expected {expected}: give points of shape (n, 3), one unit "
+            "normal for each of them, and one position of the camera"
         )
-    if len(p) < FEWEST_POINTS:
+    bad = int((~np.isfinite(values)).sum())
+    if bad > 0:
         raise CloudError(
-            f"the cloud has {len(p)} points, VFH needs at least {FEWEST_POINTS}: skip it or scan from closer"
+            f"{name} hold {bad} values that are NaN or infinite, expected finite ones: "
+            "drop those points (points[np.isfinite(points).all(axis=-1)])"
         )
-    for name, values in (("points", p), ("normals", n), ("viewpoint", eye)):
-        if not np.isfinite(values).all():
-            bad = int((~np.isfinite(values)).sum())
-            raise CloudError(
-                f"{name} hold {bad} values that are NaN or infinite, expected finite ones: "
-                "drop those points (points[np.isfinite(points).all(axis=-1)])"
-            )
-    return p, n, eye
+    return values
 
 
 def _dot(a: Points, b: Points) -> NDArray[np.float64]:

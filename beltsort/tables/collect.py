@@ -6,8 +6,10 @@ the seed, whatever the number of processes.
 """
 
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
@@ -52,11 +54,15 @@ class Round:
             yield true, [cell.scan(not_before=stop) for _ in range(scans)]
 
 
+def at_least_one(name: str, number: int) -> int:
+    """Return `number`, or raise an `ArgumentError` about `name` if it is below 1."""
+    if number < 1:
+        raise beltsort.ArgumentError(f"{name} is {number}, expected at least 1; give a positive number")
+    return number
+
+
 def _rounds(stream: int, seed: int, config: CellConfig, objects: int) -> list[Round]:
-    if objects < 1:
-        raise beltsort.ArgumentError(
-            f"objects is {objects}, expected at least one of each class; give a positive number"
-        )
+    at_least_one("objects", objects)
     viewpoints = range(len(config.viewpoints))
     return [Round(stream, checked_seed(seed), k, number) for number in range(objects) for k in viewpoints]
 
@@ -72,6 +78,9 @@ def collect_training(
 ) -> NearestNeighbour:
     """Train a classifier on objects of the simulated cell.
 
+    The processes are spawned and import the main module again: a script calls this under
+    `if __name__ == "__main__":`.
+
     Parameters
     ----------
     config, perception
@@ -82,7 +91,8 @@ def collect_training(
     seed
         Not negative. `collect_counts` with the same seed draws other objects.
     workers
-        Processes; default one for each core.
+        Processes, at least 1; default one for each core that this process may use. With 1 the work is done in
+        this process.
     progress
         Called with the number of rounds done and in all.
 
@@ -90,6 +100,13 @@ def collect_training(
     -------
     NearestNeighbour
         Up to K * H * L * `objects` descriptors; objects that perception does not find are left out.
+
+    Raises
+    ------
+    ArgumentError
+        If `objects` or `workers` is below 1.
+    BeltsortError
+        If a worker process dies.
     """
     config, perception = config or CellConfig(), perception or PerceptionConfig()
     rounds = _rounds(TRAINING_STREAM, seed, config, objects)
@@ -122,6 +139,8 @@ def collect_counts(
 ) -> Counts:
     """Count the labels of independent objects in every table row.
 
+    As with `collect_training`, a script calls this under `if __name__ == "__main__":`.
+
     Parameters
     ----------
     database
@@ -133,6 +152,13 @@ def collect_counts(
         error sqrt(p (1 - p) / objects).
     seed, workers, progress
         As in `collect_training`.
+
+    Raises
+    ------
+    ArgumentError
+        If `objects` or `workers` is below 1.
+    BeltsortError
+        If a worker process dies.
     """
     config = config or CellConfig()
     rounds = _rounds(TABLE_STREAM, seed, config, objects)
@@ -157,12 +183,37 @@ def _labelled(config: CellConfig, database: NearestNeighbour, work: Round) -> li
 def _in_processes(
     task: Callable[[Round], Result], rounds: list[Round], workers: int | None, progress: Progress | None
 ) -> list[Result]:
-    """Return the results in order. Processes are spawned: Open3D hangs in forked ones."""
-    workers = workers or os.cpu_count() or 1
+    """Return the results in order."""
+    workers = _cores() if workers is None else at_least_one("workers", workers)
     if workers == 1:
         return _reported(map(task, rounds), len(rounds), progress)
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    pool = _pool(workers)
+    try:
         return _reported(pool.map(task, rounds, chunksize=2), len(rounds), progress)
+    except BrokenProcessPool:
+        raise beltsort.BeltsortError(
+            f"a worker process died, expected {workers} to live: if memory ran out, give fewer workers; "
+            'a script must guard its main module by `if __name__ == "__main__":`'
+        ) from None
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _pool(workers: int) -> ProcessPoolExecutor:
+    """Return a pool of spawned processes (Open3D hangs in forked ones) that leave Ctrl-C to this one."""
+    return ProcessPoolExecutor(
+        workers,
+        mp_context=get_context("spawn"),
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    )
+
+
+def _cores() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _reported(results: Iterable[Result], total: int, progress: Progress | None) -> list[Result]:

@@ -66,11 +66,16 @@ class Counts:
             Pseudo-counts added to every entry: the parameter of a symmetric Dirichlet prior. Positive, since
             a zero in the table makes a belief irrevocable; 1 is a uniform prior. Too large pulls all rows
             towards uniform.
+
+        Raises
+        ------
+        ArgumentError
+            If `smoothing` is not positive or too large to add up.
         """
-        if not smoothing > 0.0:
+        if not (smoothing > 0.0 and np.isfinite(smoothing * self.counts.shape[-1])):
             raise beltsort.ArgumentError(
-                f"smoothing is {smoothing}, expected a positive number: zeros in a table make beliefs "
-                "irrevocable; 1 is a uniform prior"
+                f"smoothing is {smoothing}, expected a positive number, not infinite: zeros in a table make "
+                "beliefs irrevocable; 1 is a uniform prior"
             )
         smoothed = self.counts + smoothing
         probabilities: Array = smoothed / smoothed.sum(axis=-1, keepdims=True)
@@ -146,6 +151,13 @@ def count(looks: Iterable[Look], positions: int, viewpoints: int, classes: int) 
         One for each object: two looks at one object in one row would not be independent.
     positions, viewpoints, classes
         H, K, L.
+
+    Examples
+    --------
+    >>> looks = [Look(position=0, viewpoint=0, true=1, observed=label) for label in (1, 1, 0, None)]
+    >>> counts = count(looks, positions=1, viewpoints=1, classes=2)
+    >>> counts.probabilities(smoothing=1.0)[0, 0].tolist()
+    [[0.5, 0.5], [0.4, 0.6]]
     """
     counts = np.zeros((positions, viewpoints, classes, classes), dtype=np.int64)
     missed = np.zeros((positions, viewpoints, classes), dtype=np.int64)

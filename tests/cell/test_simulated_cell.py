@@ -4,16 +4,24 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import open3d
 import pytest
 
 from beltsort.cell import Cell, Scan
-from beltsort.cell.simulated import ArmErrors, CellConfig, SimulatedCell, SphereViewpoint
+from beltsort.cell.simulated import (
+    ArmErrors,
+    CellConfig,
+    PoseMix,
+    SensorNoise,
+    SimulatedCell,
+    SphereViewpoint,
+)
 from beltsort.cell.simulated.bulbs import bulb
 from beltsort.errors import CellError
-from beltsort.geometry import Points, transform
+from beltsort.geometry import BeltLayout, Points, transform
 
 
 def scan(cell: SimulatedCell) -> Scan:
@@ -245,3 +253,26 @@ def test_configurations_are_checked_and_json() -> None:
         CellConfig(reject_bin=3)
     with pytest.raises(CellError, match="class names are"):
         CellConfig(classes=("standard", "standard"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings", "said"),
+    [
+        (PoseMix, {"upright": 0.0, "leaning": 0.0, "lying": 0.0}, r"are \(0.0, 0.0, 0.0\), expected"),
+        (PoseMix, {"leaning": -0.1}, "none negative"),
+        (PoseMix, {"lying": float("nan")}, "expected finite"),
+        (SensorNoise, {"disparity_step": 0.0}, "disparity_step is 0.0, expected above 0"),
+        (SensorNoise, {"axial_window": 0}, "axial_window is 0"),
+        (SensorNoise, {"gloss_patch": 0}, "gloss_patch is 0"),
+        (SensorNoise, {"grazing_width": float("nan")}, "grazing_width is nan"),
+        (CellConfig, {"size_spread": -0.1}, "size_spread is -0.1, expected a finite number, at least 0"),
+        (CellConfig, {"size_spread": float("nan")}, "size_spread is nan"),
+        (CellConfig, {"upstream": -1}, "upstream is -1"),
+        (CellConfig, {"layout": BeltLayout(positions=0)}, "layout.positions is 0, .* at least 1"),
+    ],
+)
+def test_numbers_without_sense_are_refused(
+    kind: Callable[..., object], settings: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(CellError, match=said):
+        kind(**settings)

@@ -126,14 +126,38 @@ def test_pickled_objects_are_refused(tmp_path: Path) -> None:
         (np.ones((1, 308)), [-1], "0 to 2"),
         (np.ones((1, 308)), ["a"], "class indices"),
         (np.ones((1, 308)), [0.5], "class indices"),
+        ("x", [0], "descriptors: .* expected numbers"),
+        (np.ones((2, 308)), [[0], [0, 1]], "labels: .* expected numbers"),
+        (np.ones((1, 308)), 0, "one label for each descriptor"),
     ],
 )
-def test_what_is_no_database_is_refused(rows: np.ndarray, labels: list[Any], said: str) -> None:
+def test_what_is_no_database_is_refused(rows: Any, labels: Any, said: str) -> None:
     with pytest.raises(DatabaseError, match=said):
         NearestNeighbour.train(rows, labels, CLASSES)
 
 
-@pytest.mark.parametrize("descriptor", [np.ones(307), np.float64(1.0), np.full(308, np.nan)])
-def test_what_is_no_descriptor_is_refused(descriptor: np.ndarray) -> None:
-    with pytest.raises(DatabaseError, match="expected"):
+def test_training_copies_the_descriptors() -> None:
+    rows = np.ones((1, 308))
+    trained = NearestNeighbour.train(rows, [0], CLASSES)
+    rows[0, 0] = -1.0
+    assert trained.descriptors[0, 0] == 1.0
+
+
+def test_a_list_is_matched_like_an_array() -> None:
+    query = database(seed=1).descriptors[0]
+    assert database().match(query.tolist()) == database().match(query)
+
+
+@pytest.mark.parametrize(
+    ("descriptor", "said"),
+    [
+        (np.ones(307), r"shape \(307,\), expected \(308,\)"),
+        (np.float64(1.0), r"shape \(\)"),
+        (np.full(308, np.nan), "holds nan in bin 0"),
+        (np.where(np.arange(308) == 7, -0.5, 1.0), "holds -0.5 in bin 7"),
+        (["x"] * 308, "descriptor: .* expected numbers"),
+    ],
+)
+def test_what_is_no_descriptor_is_refused(descriptor: Any, said: str) -> None:
+    with pytest.raises(DatabaseError, match=said):
         database().match(descriptor)

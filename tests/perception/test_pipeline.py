@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,7 +65,7 @@ def test_the_same_scan_gives_the_same_answer(scene: Scene) -> None:
     scan = scene.scan(scene.belt(), scene.ellipsoid(0, SHAPES["tall"]))
     a, b = perception(scan)[0], perception(scan)[0]
     assert (a.label, a.distance, a.runner_up) == (b.label, b.distance, b.runner_up)
-    candidate = perception.candidates(scan)[0]
+    candidate = segment(scan, LAYOUT).candidates[0]
     assert a.points is not None
     assert candidate is not None
     assert np.array_equal(candidate, a.points)
@@ -88,10 +89,27 @@ def test_normals_of_a_plane_are_exact() -> None:
     assert np.allclose(oriented_normals(grid, np.array([0.0, 0.0, 1.0]), 10), expected, atol=1e-6)
 
 
-@pytest.mark.parametrize("points", [np.empty((0, 3)), np.eye(3)[:2], np.full((10, 3), np.nan)])
-def test_no_descriptor_without_surface(points: np.ndarray) -> None:
-    with pytest.raises(CloudError, match="finite"):
-        describe(points, CAMERA)
+@pytest.mark.parametrize(
+    ("points", "camera", "said"),
+    [
+        (np.empty((0, 3)), CAMERA, "0 points"),
+        (np.eye(3)[:2], CAMERA, "2 points, expected at least 3"),
+        (np.full((10, 3), np.nan), CAMERA, "points hold 30 values"),
+        ([], CAMERA, r"points have shape \(0,\), expected \(n, 3\)"),
+        (np.zeros((5, 2)), CAMERA, r"points have shape \(5, 2\)"),
+        ([[0.0, 0.0, 0.0], [1.0]], CAMERA, "points: .* expected numbers"),
+        (np.eye(3), CAMERA[:2], r"viewpoint have shape \(2,\), expected \(3,\)"),
+        (np.eye(3), (0.0, 0.0, np.nan), "viewpoint hold 1 values"),
+    ],
+)
+def test_no_descriptor_without_surface_or_camera(points: Any, camera: Any, said: str) -> None:
+    with pytest.raises(CloudError, match=said):
+        describe(points, camera)
+
+
+def test_lists_are_described_like_arrays(scene: Scene) -> None:
+    points = scene.ellipsoid(0, SHAPES["round"])
+    assert np.array_equal(describe(points.tolist(), CAMERA.tolist()), describe(points, CAMERA))
 
 
 def test_importing_perception_does_not_import_open3d() -> None:

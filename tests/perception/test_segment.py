@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import beltsort
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points, transform
 from beltsort.perception import PerceptionConfig, segment
@@ -140,9 +141,11 @@ def test_infinite_points_are_ignored_like_missing_ones(scene: Scene) -> None:
         (np.zeros((4, 5)), np.eye(4), r"shape \(4, 5\)"),
         (np.zeros((4, 3)), np.full((4, 4), np.nan), "world_from_camera"),
         (np.zeros((4, 3)), np.eye(3), "world_from_camera"),
+        ("x", np.eye(4), "the scan's points: .* expected numbers"),
+        (np.zeros((4, 3)), "x", "world_from_camera: .* expected numbers"),
     ],
 )
-def test_no_scan_is_a_cloud_error(points: Points, pose: Points, said: str) -> None:
+def test_no_scan_is_a_cloud_error(points: Any, pose: Any, said: str) -> None:
     with pytest.raises(CloudError, match=said):
         segment(SyntheticScan(points, pose), LAYOUT)
 
@@ -158,7 +161,7 @@ def test_no_scan_is_a_cloud_error(points: Points, pose: Points, said: str) -> No
     ],
 )
 def test_settings_without_sense_are_refused(settings: dict[str, Any]) -> None:
-    with pytest.raises(CloudError, match="expected"):
+    with pytest.raises(beltsort.ArgumentError, match="expected"):
         PerceptionConfig(**settings)
 
 

@@ -1,6 +1,7 @@
 """The descriptor: PCL's own output, and the laws that it obeys."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -152,7 +153,7 @@ POINTS, NORMALS = bump(0, 10)
     ("points", "normals", "viewpoint", "said"),
     [
         (np.empty((0, 3)), np.empty((0, 3)), CAMERA, "0 points"),
-        (POINTS[:2], NORMALS[:2], CAMERA, "2 points, VFH needs at least 3"),
+        (POINTS[:2], NORMALS[:2], CAMERA, "2 points, expected at least 3"),
         (np.where(np.arange(10)[:, None] == 4, np.nan, POINTS), NORMALS, CAMERA, "points hold 3 values"),
         (
             np.where(np.arange(30).reshape(10, 3) == 4, np.inf, POINTS),
@@ -166,8 +167,10 @@ POINTS, NORMALS = bump(0, 10)
         (POINTS[:, :2], NORMALS[:, :2], CAMERA, r"\(10, 2\)"),
         (POINTS, NORMALS, (0.0, 0.0), r"\(2,\)"),
         (POINTS, NORMALS, POINTS.mean(axis=0), "viewpoint is the centroid"),
+        ("x", "y", CAMERA, "points: .* expected numbers"),
+        (POINTS, "y", CAMERA, "normals: .* expected numbers"),
     ],
 )
-def test_bad_input_is_a_cloud_error(points: Points, normals: Points, viewpoint: Points, said: str) -> None:
+def test_bad_input_is_a_cloud_error(points: Any, normals: Any, viewpoint: Any, said: str) -> None:
     with pytest.raises(CloudError, match=said):
         vfh(points, normals, viewpoint=viewpoint)

@@ -74,6 +74,15 @@ class PoseMix:
     leaning_tilt: tuple[float, float] = (10.0, 45.0)
     lying_tilt: tuple[float, float] = (60.0, 110.0)
 
+    def __post_init__(self) -> None:
+        """Refuse frequencies from which nothing can be drawn."""
+        frequencies = (self.upright, self.leaning, self.lying)
+        if min(frequencies) < 0.0 or not 0.0 < sum(frequencies) < np.inf:
+            raise CellError(
+                f"upright, leaning and lying are {frequencies}, expected finite numbers, none negative, one "
+                "above 0; give relative frequencies such as (0.3, 0.4, 0.3)"
+            )
+
 
 @dataclass(frozen=True)
 class ArmErrors:
@@ -147,7 +156,8 @@ class CellConfig:
     advance_seconds: float = 1.5
 
     def __post_init__(self) -> None:
-        """Refuse names that collide and bins that are already a class's."""
+        """Refuse names that collide, bins that are already a class's, and numbers without sense."""
+        self._check_numbers()
         names = [v.name for v in self.viewpoints]
         for what, given in (("class", list(self.classes)), ("viewpoint", names)):
             if not given or len(set(given)) < len(given):
@@ -162,3 +172,14 @@ class CellConfig:
                 f"reject_bin is {self.reject_bin}, a class's bin or none; expected None or at least "
                 f"{len(self.classes)}, the number of classes"
             )
+
+    def _check_numbers(self) -> None:
+        for name, value, least in (
+            ("size_spread", self.size_spread, 0),
+            ("upstream", self.upstream, 0),
+            ("layout.positions", self.layout.positions, 1),
+        ):
+            if not least <= value < np.inf:
+                raise CellError(
+                    f"{name} is {value}, expected a finite number, at least {least}; start from the default"
+                )

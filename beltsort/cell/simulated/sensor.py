@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from beltsort.errors import CellError
+
 Array = NDArray[np.float64]
 
 
@@ -126,6 +128,13 @@ class SensorNoise:
     highlight: float = 6.0
     gloss_depth: float = 0.0035
     gloss_bias: float = 0.002
+
+    def __post_init__(self) -> None:
+        """Refuse steps and widths that are divided by and are not above 0."""
+        for name in ("axial_window", "disparity_step", "grazing_width", "gloss_patch"):
+            value = getattr(self, name)
+            if not 0.0 < value < np.inf:
+                raise CellError(f"{name} is {value}, expected above 0 and finite; start from the default")
 
     def axial_sigma(self, z: Array, incidence: Array) -> Array:
         """Return the standard deviation of depth, metres, at depth `z` (metres) and `incidence` (radians)."""
