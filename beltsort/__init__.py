@@ -18,10 +18,12 @@ from beltsort._core import (
     Move,
     Plan,
     PolicyError,
+    Solution,
     SortingModel,
     Threshold,
     __version__,
     evaluate,
+    solve,
 )
 from beltsort.policy import Policy
 
@@ -39,8 +41,10 @@ __all__ = [
     "Plan",
     "Policy",
     "PolicyError",
+    "Solution",
     "SortingModel",
     "Threshold",
     "__version__",
     "evaluate",
+    "solve",
 ]

@@ -1,4 +1,4 @@
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import Final, Literal, TypeAlias, final
 
@@ -21,10 +21,12 @@ __all__ = [
     "Move",
     "Plan",
     "PolicyError",
+    "Solution",
     "SortingModel",
     "Threshold",
     "__version__",
     "evaluate",
+    "solve",
 ]
 
 _Path: TypeAlias = str | PathLike[str]
@@ -171,6 +173,23 @@ class Despot:
         self, belief: Belief, viewpoint: int = 0, *, seconds: float | None = None, trials: int | None = None
     ) -> Plan: ...
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide: ...
+
+@final
+class Solution:
+    @property
+    def lower(self) -> float: ...
+    @property
+    def upper(self) -> float: ...
+    @property
+    def seconds(self) -> float: ...
+    @property
+    def model(self) -> SortingModel: ...
+    def bounds(self, belief: Belief, viewpoint: int = 0) -> tuple[float, float]: ...
+    def act(self, belief: Belief, viewpoint: int) -> Move | Decide: ...
+
+def solve(
+    model: SortingModel, *, seconds: float = 60.0, progress: Callable[[float, float], object] | None = None
+) -> Solution: ...
 
 @final
 class Threshold:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,6 +12,11 @@ from beltsort import Decide, Move, SortingModel
 def print_json(result: Mapping[str, Any]) -> None:
     """Print one JSON object."""
     print(json.dumps(result, indent=2, allow_nan=False))
+
+
+def tell(line: str) -> None:
+    """Print what is not the result: on standard error."""
+    print(line, file=sys.stderr)
 
 
 def number_or_none(value: float) -> float | None:

@@ -15,7 +15,8 @@ from beltsort.errors import JournalError
 from beltsort.experiments.belief_figure import draw_belief
 from beltsort.journal import Journal, Listener, read_journal
 from beltsort.perception import Perception
-from beltsort.sorter import SortingReport, sort_objects
+from beltsort.report import SortingReport
+from beltsort.sorter import sort_objects
 from beltsort.tables.prepare import Prepared
 
 OBJECTS = 10

@@ -180,3 +180,9 @@ def test_control_c() -> None:
     _, errors = process.communicate(timeout=20)
     assert process.returncode == 130
     assert errors == ""
+
+
+def test_solve_brackets_the_optimum() -> None:
+    bounds = json_of("solve", PAPER, "--positions", "1", "--seconds", "5")
+    assert 17.4 < bounds["lower"] <= bounds["upper"] < 17.6
+    assert command("solve", PAPER, "--seconds", "0").returncode == 2

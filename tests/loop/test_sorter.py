@@ -8,7 +8,8 @@ import beltsort
 from beltsort import Belief, Decide, Move
 from beltsort.errors import CellError
 from beltsort.journal import Entry, Journal, read_journal
-from beltsort.sorter import Rules, SortingReport, sort_objects
+from beltsort.report import SortingReport
+from beltsort.sorter import Rules, sort_objects
 from tests.loop.scripted_cell import EMPTY, UNUSABLE, ScriptedCell, scripted
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json")

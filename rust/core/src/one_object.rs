@@ -10,6 +10,8 @@
 mod plan_set;
 mod solve;
 
+use nalgebra::DVector;
+
 use crate::model::{Action, SortingModel};
 use plan_set::{ConditionalPlan, PlanSet};
 
@@ -86,6 +88,21 @@ impl OneObjectPolicy {
     pub(crate) fn value(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> f64 {
         let l = model.class_count();
         self.best(self.group(viewpoint), &belief[..l], &self.continuation(belief, l)).1
+    }
+
+    /// `G(c)` and `D(c)`, a pair per position, of the plans that [`OneObjectPolicy::value`] executes.
+    ///
+    /// For models with a single viewpoint group.
+    pub(crate) fn chain(&self, model: &SortingModel, belief: &[f64]) -> Vec<(DVector<f64>, DVector<f64>)> {
+        let mut worth = self.arrival_values.clone();
+        let mut chain = Vec::new();
+        for position in belief.chunks_exact(model.class_count()).rev() {
+            let (plan, value) = self.best(0, position, &worth);
+            chain.push((plan.gain.clone(), plan.discount_to.clone()));
+            worth = vec![value];
+        }
+        chain.reverse();
+        chain
     }
 
     /// First action of the plan that [`OneObjectPolicy::value`] executes.

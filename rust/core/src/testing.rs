@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+use crate::belief::Belief;
 use crate::model::{ModelSpec, SortingModel};
 
 /// Property tests draw the same cases on every machine.
@@ -42,4 +43,69 @@ pub(crate) fn small_models() -> impl Strategy<Value = ModelSpec> {
         prop::collection::vec(0.02..1.0_f64, h * k * l * l)
             .prop_map(move |weights| from_weights(h, k, l, &weights))
     })
+}
+
+/// Small random models that a few steps nearly decide, some with restricted travel.
+pub(crate) fn enumerable_models() -> impl Strategy<Value = SortingModel> {
+    (small_models(), any::<bool>()).prop_map(|(mut spec, restricted)| {
+        (spec.discount, spec.r_min) = (0.5, 20.0);
+        if restricted && spec.viewpoints.len() == 2 {
+            spec.travel = Some(vec![vec![1], vec![0, 1]]);
+        }
+        SortingModel::new(spec).expect("random rows are distributions")
+    })
+}
+
+/// The belief whose rows are these weights, normalised.
+pub(crate) fn belief_of(model: &SortingModel, weights: &[f64]) -> Belief {
+    let row = |row: &[f64]| row.iter().map(|w| w / row.iter().sum::<f64>()).collect();
+    let rows: Vec<Vec<f64>> =
+        weights.chunks(model.class_count()).take(model.position_count()).map(row).collect();
+    Belief::from_rows(model, &rows).expect("normalised rows are distributions")
+}
+
+/// Bounds of V* by complete enumeration of `depth` steps, with what any policy can earn at most or least behind.
+pub(crate) fn enumerated_value(
+    model: &SortingModel,
+    belief: &Belief,
+    viewpoint: usize,
+    depth: usize,
+) -> (f64, f64) {
+    if depth == 0 {
+        let step = model.spec().r_max.max(model.spec().r_min) + 1.0;
+        return (-step / (1.0 - model.discount()), model.spec().r_max / (1.0 - model.discount()));
+    }
+    let discounted = |(low, high): (f64, f64)| (model.discount() * low, model.discount() * high);
+    let mut after = belief.clone();
+    after.advance(model);
+    let next = discounted(enumerated_value(model, &after, viewpoint, depth - 1));
+    let reward = model.decision_reward(belief.most_likely(0).1);
+    let mut best = (reward + next.0, reward + next.1);
+    for &to in model.legal_moves(viewpoint) {
+        let mut value = (-model.motion_cost(viewpoint, to), -model.motion_cost(viewpoint, to));
+        for labels in all_labels(model) {
+            let mut posterior = belief.clone();
+            let p = probability(model, belief, to, &labels);
+            let seen: Vec<_> = labels.iter().map(|z| Some(*z)).collect();
+            posterior.observe(model, to, &seen).unwrap();
+            let next = discounted(enumerated_value(model, &posterior, to, depth - 1));
+            value = (value.0 + p * next.0, value.1 + p * next.1);
+        }
+        best = (best.0.max(value.0), best.1.max(value.1));
+    }
+    best
+}
+
+/// Every label vector of a scan, for one or two positions.
+pub(crate) fn all_labels(model: &SortingModel) -> Vec<Vec<usize>> {
+    let l = model.class_count();
+    match model.position_count() {
+        1 => (0..l).map(|z| vec![z]).collect(),
+        _ => (0..l * l).map(|z| vec![z / l, z % l]).collect(),
+    }
+}
+
+fn probability(model: &SortingModel, belief: &Belief, viewpoint: usize, labels: &[usize]) -> f64 {
+    let predicted = belief.label_probabilities(model, viewpoint).unwrap();
+    labels.iter().enumerate().map(|(j, z)| predicted[(*z, j)]).product()
 }

@@ -21,7 +21,7 @@ const MOST_THREADS: usize = 1024;
 pub fn budget(seconds: Option<f64>, trials: Option<Whole>) -> PyResult<Option<Budget>> {
     match (seconds, trials) {
         (None, None) => Ok(None),
-        (Some(seconds), None) => budget_of_time(seconds).map(Some),
+        (Some(seconds), None) => Ok(Some(Budget::Time(time(seconds)?))),
         (None, Some(trials)) => match u64::try_from(trials) {
             Ok(trials) if trials > 0 => Ok(Some(Budget::Trials(trials))),
             _ => Err(ArgumentError::new_err(format!("trials = {trials}; give at least 1, 100 for example"))),
@@ -32,9 +32,10 @@ pub fn budget(seconds: Option<f64>, trials: Option<Whole>) -> PyResult<Option<Bu
     }
 }
 
-fn budget_of_time(seconds: f64) -> PyResult<Budget> {
+/// A time above 0.
+pub fn time(seconds: f64) -> PyResult<Duration> {
     match Duration::try_from_secs_f64(seconds) {
-        Ok(time) if !time.is_zero() => Ok(Budget::Time(time)),
+        Ok(time) if !time.is_zero() => Ok(time),
         _ => Err(ArgumentError::new_err(format!(
             "seconds = {seconds}; give a finite time above 0, 0.01 for example"
         ))),

@@ -15,6 +15,7 @@ use crate::evaluation::PyEvaluation;
 use crate::interrupt::{Stoppable, interruptible};
 use crate::model::PySortingModel;
 use crate::policies::{PyInformationGain, PyThreshold};
+use crate::solution::PySolution;
 use crate::user_policy::UserPolicy;
 
 /// Simulate batches of the sorting POMDP.
@@ -110,6 +111,8 @@ pub fn evaluate(
     let pool = pool.as_ref();
     let evaluation = if let Ok(despot) = policy.cast::<PyDespot>() {
         run(&despot.get().planner, pool)?.map_err(to_python)
+    } else if let Ok(solution) = policy.cast::<PySolution>() {
+        run(&solution.get().solution, pool)?.map_err(to_python)
     } else if let Ok(threshold) = policy.cast::<PyThreshold>() {
         run(&threshold.get().policy, pool)?.map_err(to_python)
     } else if let Ok(gain) = policy.cast::<PyInformationGain>() {

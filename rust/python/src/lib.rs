@@ -15,6 +15,7 @@ mod interrupt;
 mod model;
 mod plan;
 mod policies;
+mod solution;
 mod user_policy;
 
 use pyo3::prelude::*;
@@ -28,6 +29,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<belief::PyBelief>()?;
     module.add_class::<despot::PyDespot>()?;
     module.add_class::<plan::PyPlan>()?;
+    module.add_class::<solution::PySolution>()?;
+    module.add_function(wrap_pyfunction!(solution::solve, module)?)?;
     module.add_class::<policies::PyThreshold>()?;
     module.add_class::<policies::PyInformationGain>()?;
     module.add_class::<evaluation::PyEvaluation>()?;

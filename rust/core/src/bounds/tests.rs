@@ -2,75 +2,19 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::belief::Belief;
-use crate::testing::{seeded, small_models};
-
-const DEPTH: usize = 5;
-const DISCOUNT: f64 = 0.5;
-
-/// Bounds of V* by complete enumeration to [`DEPTH`] steps, with what any policy can earn at most or least behind.
-fn exact(model: &SortingModel, belief: &Belief, viewpoint: usize, depth: usize) -> (f64, f64) {
-    if depth == DEPTH {
-        let step = model.spec().r_max.max(model.spec().r_min) + 1.0;
-        return (-step / (1.0 - model.discount()), model.spec().r_max / (1.0 - model.discount()));
-    }
-    let discounted = |(low, high): (f64, f64)| (model.discount() * low, model.discount() * high);
-    let mut after = belief.clone();
-    after.advance(model);
-    let next = discounted(exact(model, &after, viewpoint, depth + 1));
-    let reward = model.decision_reward(belief.most_likely(0).1);
-    let mut best = (reward + next.0, reward + next.1);
-    for &to in model.legal_moves(viewpoint) {
-        let mut value = (-model.motion_cost(viewpoint, to), -model.motion_cost(viewpoint, to));
-        for labels in all_labels(model) {
-            let mut posterior = belief.clone();
-            let p = probability(model, belief, to, &labels);
-            let seen: Vec<_> = labels.iter().map(|z| Some(*z)).collect();
-            posterior.observe(model, to, &seen).unwrap();
-            let next = discounted(exact(model, &posterior, to, depth + 1));
-            value = (value.0 + p * next.0, value.1 + p * next.1);
-        }
-        best = (best.0.max(value.0), best.1.max(value.1));
-    }
-    best
-}
-
-fn all_labels(model: &SortingModel) -> Vec<Vec<usize>> {
-    let l = model.class_count();
-    match model.position_count() {
-        1 => (0..l).map(|z| vec![z]).collect(),
-        _ => (0..l * l).map(|z| vec![z / l, z % l]).collect(),
-    }
-}
-
-fn probability(model: &SortingModel, belief: &Belief, viewpoint: usize, labels: &[usize]) -> f64 {
-    let predicted = belief.label_probabilities(model, viewpoint).unwrap();
-    labels.iter().enumerate().map(|(j, z)| predicted[(*z, j)]).product()
-}
+use crate::testing::{all_labels, belief_of, enumerable_models, enumerated_value, seeded, small_models};
 
 proptest! {
     #![proptest_config(seeded(12))]
 
     #[test]
     fn bounds_at_exact_beliefs_bracket_the_exact_value(
-        spec in small_models(),
+        model in enumerable_models(),
         weights in prop::collection::vec(0.02..1.0_f64, 6),
-        restricted in any::<bool>(),
     ) {
-        let mut spec = spec;
-        (spec.discount, spec.r_min) = (DISCOUNT, 20.0);
-        if restricted && spec.viewpoints.len() == 2 {
-            spec.travel = Some(vec![vec![1], vec![0, 1]]);
-        }
-        let model = SortingModel::new(spec).unwrap();
-        let l = model.class_count();
-        let rows: Vec<Vec<f64>> = weights
-            .chunks(l)
-            .take(model.position_count())
-            .map(|row| row.iter().map(|w| w / row.iter().sum::<f64>()).collect())
-            .collect();
-        let belief = Belief::from_rows(&model, &rows).unwrap();
+        let belief = belief_of(&model, &weights);
         let policy = OneObjectPolicy::solve(&model);
-        let (at_least, at_most) = exact(&model, &belief, 0, 0);
+        let (at_least, at_most) = enumerated_value(&model, &belief, 0, 5);
         let (low, high) = (
             lower(&model, &policy, belief.as_slice(), 0),
             upper(&model, belief.as_slice(), 0),

@@ -1,0 +1,47 @@
+"""`beltsort solve`: certified bounds of a model's optimal value."""
+
+from argparse import Namespace
+from time import monotonic
+
+from beltsort import SortingModel, solve
+from beltsort.cli.arguments import Subparsers, add_json, add_model
+from beltsort.cli.output import print_json, tell
+
+SECONDS_BETWEEN_REPORTS = 2.0
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "solve",
+        help="certified bounds of the optimal value",
+        description="Solve a model offline: lower <= V*(b0) <= upper, both proved.",
+    )
+    add_model(parser)
+    parser.add_argument(
+        "--seconds", type=float, default=60.0, metavar="S", help="time to spend (default: 60)"
+    )
+    parser.add_argument("--positions", type=int, metavar="H", help="keep the first H positions only")
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Solve, reporting on standard error."""
+    model = SortingModel.load(arguments.model)
+    if arguments.positions is not None:
+        model = model.with_positions(arguments.positions)
+    began = told = monotonic()
+
+    def report(lower: float, upper: float) -> None:
+        nonlocal told
+        if monotonic() - told >= SECONDS_BETWEEN_REPORTS:
+            told = monotonic()
+            tell(f"{told - began:6.1f} s  {lower:.4f} <= V* <= {upper:.4f}")
+
+    solution = solve(model, seconds=arguments.seconds, progress=report)
+    if arguments.json:
+        print_json({"lower": solution.lower, "upper": solution.upper, "seconds": solution.seconds})
+    else:
+        print(f"{solution.lower:.4f} <= V* <= {solution.upper:.4f}  ({solution.seconds:.1f} s)")
+    return 0

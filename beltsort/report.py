@@ -1,0 +1,47 @@
+"""What a run reports."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Decision:
+    """How one object was sorted.
+
+    Attributes
+    ----------
+    object
+        Its number on the belt, from 0.
+    label
+        The class decided; None if it went to the reject bin.
+    belief
+        Probability of the most likely class when it was decided.
+    looks
+        Scans in which it was visible.
+    forced
+        Why the loop decided in place of the policy: `max_looks` or `impossible_labels`; else None.
+    """
+
+    object: int
+    label: int | None
+    belief: float
+    looks: int
+    forced: str | None
+
+
+@dataclass(frozen=True)
+class SortingReport:
+    """What a run did.
+
+    Attributes
+    ----------
+    steps
+        Planner steps: moves and decisions.
+    decisions
+        One per object sorted, in order.
+    skipped
+        Numbers of the belt places found empty.
+    """
+
+    steps: int
+    decisions: tuple[Decision, ...]
+    skipped: tuple[int, ...]

@@ -1,0 +1,87 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::testing::{belief_of, enumerable_models, enumerated_value, from_weights, paper, seeded};
+
+fn solve(model: &SortingModel, milliseconds: u64) -> Solution {
+    Solution::solve(model, Duration::from_millis(milliseconds), &AtomicBool::new(false), &mut |_, _| {})
+        .unwrap()
+}
+
+proptest! {
+    #![proptest_config(seeded(8))]
+
+    #[test]
+    fn certificates_enclose_the_enumerated_value(
+        model in enumerable_models(),
+        weights in prop::collection::vec(0.02..1.0_f64, 6),
+    ) {
+        let anywhere = belief_of(&model, &weights);
+        let solution = solve(&model, 60);
+        let start = (Belief::new(&model), (solution.lower, solution.upper));
+        let elsewhere = (anywhere.clone(), solution.bounds(&anywhere, 0).unwrap());
+        for (belief, (lower, upper)) in [start, elsewhere] {
+            let (at_least, at_most) = enumerated_value(&model, &belief, 0, 4);
+            prop_assert!(lower <= upper);
+            prop_assert!(lower <= at_most, "lower bound {lower} above V* <= {at_most}");
+            prop_assert!(upper >= at_least, "upper bound {upper} below V* >= {at_least}");
+        }
+    }
+}
+
+#[test]
+fn one_object_problems_are_solved() {
+    // SARSOP, two minutes each: 46.987, [17.496, 17.500], [5.820, 5.842].
+    for (r_min, at_least, at_most, gap) in
+        [(5.0, 46.986, 46.988, 0.001), (50.0, 17.4955, 17.5, 0.01), (500.0, 5.8195, 5.842, 0.2)]
+    {
+        let solution = solve(&paper(r_min).with_positions(1).unwrap(), 2000);
+        let (lower, upper) = (solution.lower, solution.upper);
+        assert!(
+            at_least <= upper && lower <= at_most,
+            "[{lower}, {upper}] contradicts the published optimum"
+        );
+        assert!(upper - lower < gap * lower, "[{lower}, {upper}]");
+    }
+}
+
+#[test]
+fn bounds_at_the_start_only_tighten() {
+    let mut seen = Vec::new();
+    let model = paper(50.0);
+    let mut note = |lower, upper| seen.push((lower, upper));
+    let solution =
+        Solution::solve(&model, Duration::from_secs(2), &AtomicBool::new(false), &mut note).unwrap();
+    assert!(seen.len() > 5);
+    for pair in seen.windows(2) {
+        assert!(pair[0].0 <= pair[1].0 + 1e-9 && pair[0].1 >= pair[1].1 - 1e-9, "{pair:?}");
+    }
+    assert!(solution.lower > 18.0 && solution.upper < 40.0, "[{}, {}]", solution.lower, solution.upper);
+}
+
+#[test]
+fn the_policy_looks_at_the_unknown_and_decides_the_certain() {
+    let model = paper(50.0);
+    let solution = solve(&model, 1000);
+    assert!(matches!(solution.act(&Belief::new(&model), 0).unwrap(), Action::Move(_)));
+    let certain = Belief::from_rows(&model, &[vec![0.0, 1.0, 0.0, 0.0], vec![0.25; 4]]).unwrap();
+    assert_eq!(solution.act(&certain, 2).unwrap(), Action::Decide(1));
+}
+
+#[test]
+fn a_set_flag_stops_the_solver() {
+    let stop = AtomicBool::new(true);
+    let solution = Solution::solve(&paper(50.0), Duration::from_secs(600), &stop, &mut |_, _| {}).unwrap();
+    assert!(solution.elapsed < Duration::from_secs(60));
+    assert!(solution.lower <= solution.upper);
+}
+
+#[test]
+fn what_cannot_be_solved_is_refused() {
+    let refused = |model: &SortingModel, time| {
+        Solution::solve(model, time, &AtomicBool::new(false), &mut |_, _| {}).unwrap_err().to_string()
+    };
+    assert!(refused(&paper(50.0), Duration::ZERO).contains("time above 0"));
+    let many = SortingModel::new(from_weights(7, 1, 4, &[0.5; 7 * 16])).unwrap();
+    assert!(refused(&many, Duration::from_secs(1)).contains("label vectors"));
+}

@@ -1,0 +1,168 @@
+//! `solve` and `Solution`.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use beltsort_core::{Policy, Solution, SortingModel};
+use pyo3::prelude::*;
+
+use crate::actions;
+use crate::belief::PyBelief;
+use crate::budget::time;
+use crate::convert::{Whole, index};
+use crate::errors::to_python;
+use crate::interrupt::interruptible;
+use crate::model::PySortingModel;
+
+/// Certified bounds of the optimal value, and a policy: what `solve` returns.
+///
+/// References
+/// ----------
+/// Upper bound: value iteration on a grid of beliefs, convex in the belief about each object (Lovejoy,
+/// Operations Research 39, 1991). Lower bound: point-based policy iteration (Ji et al., AAAI 2007). Search:
+/// HSVI (Smith & Simmons, UAI 2004).
+#[pyclass(frozen, name = "Solution", module = "beltsort")]
+pub struct PySolution {
+    pub solution: Solution,
+    model: Arc<SortingModel>,
+}
+
+#[pymethods]
+impl PySolution {
+    /// Lower bound of V*(b0), b0 the arrival prior at every position: the value of an executable policy.
+    #[getter]
+    fn lower(&self) -> f64 {
+        self.solution.lower
+    }
+
+    /// Upper bound of V*(b0).
+    #[getter]
+    fn upper(&self) -> f64 {
+        self.solution.upper
+    }
+
+    /// Wall-clock time spent, seconds.
+    #[getter]
+    fn seconds(&self) -> f64 {
+        self.solution.elapsed.as_secs_f64()
+    }
+
+    /// The model solved.
+    #[getter]
+    fn model(&self) -> PySortingModel {
+        PySortingModel(Arc::clone(&self.model))
+    }
+
+    /// Bounds of V* at any belief; wider than those at the arrival prior, where the search has been.
+    ///
+    /// Parameters
+    /// ----------
+    /// belief : Belief
+    ///     What is known of the objects.
+    /// viewpoint : int
+    ///     Where the camera stands.
+    ///
+    /// Returns
+    /// -------
+    /// tuple of float
+    ///     Lower and upper bound.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a belief of another model or an unknown viewpoint.
+    #[pyo3(signature = (belief, viewpoint=0))]
+    fn bounds(&self, belief: PyBelief, viewpoint: Whole) -> PyResult<(f64, f64)> {
+        belief.check_is_of(&self.model)?;
+        self.solution.bounds(&belief.belief, index("viewpoint", viewpoint)?).map_err(to_python)
+    }
+
+    /// The action that is best one exact step ahead of the upper bound: a solution is a policy.
+    ///
+    /// Parameters
+    /// ----------
+    /// belief : Belief
+    ///     What is known of the objects.
+    /// viewpoint : int
+    ///     Where the camera stands.
+    ///
+    /// Returns
+    /// -------
+    /// Move or Decide
+    ///     The action.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a belief of another model or an unknown viewpoint.
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+        belief.check_is_of(&self.model)?;
+        let viewpoint = index("viewpoint", viewpoint)?;
+        let action = py.detach(|| self.solution.act(&belief.belief, viewpoint)).map_err(to_python)?;
+        actions::to_python(py, action)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Solution(lower={:.4}, upper={:.4})", self.solution.lower, self.solution.upper)
+    }
+}
+
+/// Solve a model offline, with a certificate: ``lower <= V*(b0) <= upper``.
+///
+/// Both bounds hold whenever it ends. They are tight for one or two positions when all viewpoints have the
+/// same moves at the same costs; for other models the upper bound is loose.
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     At most 4096 label vectors (L^H) per scan.
+/// seconds : float
+///     Wall-clock time; more brings the bounds together. It ends earlier once they meet, and on Ctrl-C with
+///     KeyboardInterrupt.
+/// progress : callable, optional
+///     Called with the bounds ``(lower, upper)`` so far, from another thread. What it raises ends the solver
+///     and passes through.
+///
+/// Returns
+/// -------
+/// Solution
+///     The bounds, and a policy.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For a time that is not above 0, or too many label vectors.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+/// >>> solution = beltsort.solve(model, seconds=5)
+/// >>> f"{solution.lower:.2f} {solution.upper:.2f}"
+/// '15.77 15.77'
+#[pyfunction]
+#[pyo3(signature = (model, *, seconds=60.0, progress=None))]
+pub fn solve(
+    py: Python<'_>,
+    model: &PySortingModel,
+    seconds: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<PySolution> {
+    let time = time(seconds)?;
+    let stop = AtomicBool::new(false);
+    let raised = Mutex::new(None);
+    let mut report = |lower: f64, upper: f64| {
+        let Some(progress) = &progress else { return };
+        if let Err(error) = Python::attach(|py| progress.call1(py, (lower, upper)).map(drop)) {
+            stop.store(true, Ordering::Relaxed);
+            if let Ok(mut raised) = raised.lock() {
+                *raised = Some(error);
+            }
+        }
+    };
+    let solution = interruptible(py, &stop, || Solution::solve(&model.0, time, &stop, &mut report))?;
+    if let Some(error) = raised.into_inner().ok().flatten() {
+        return Err(error);
+    }
+    Ok(PySolution { solution: solution.map_err(to_python)?, model: Arc::clone(&model.0) })
+}
