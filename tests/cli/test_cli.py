@@ -183,6 +183,6 @@ def test_control_c() -> None:
 
 
 def test_solve_brackets_the_optimum() -> None:
-    bounds = json_of("solve", PAPER, "--positions", "1", "--seconds", "5")
+    bounds = json.loads(command("solve", PAPER, "--positions", "1", "--seconds", "5", "--json").stdout)
     assert 17.4 < bounds["lower"] <= bounds["upper"] < 17.6
     assert command("solve", PAPER, "--seconds", "0").returncode == 2
