@@ -25,8 +25,8 @@ use upper::{GridBound, Resolution};
 use visited::visited_beliefs;
 
 /// Parts of the time after which the grid, and the policy graph, have had their share.
-const GRID_UNTIL: f64 = 0.45;
-const POLICY_UNTIL: f64 = 0.8;
+const GRID_UNTIL: f64 = 0.4;
+const POLICY_UNTIL: f64 = 0.9;
 /// Intervals per axis of the first grid, and the factor from one grid to the next.
 const COARSEST: f64 = 6.0;
 const REFINEMENT: f64 = 1.25;
@@ -36,8 +36,9 @@ const GRADINGS: [f64; 3] = [0.0, 0.6, 1.0];
 const MOST_VALUES: usize = 40_000_000;
 /// A sweep that lowers no value by more than this part of `r_max` has converged; refining then gains more.
 const TOLERANCE: f64 = 1e-4;
-/// Beliefs at which the policy graph has nodes.
-const BELIEFS: usize = 2000;
+/// Beliefs at which the policy graph has nodes: as many as the time lets it improve often enough.
+const BELIEFS_PER_SECOND: f64 = 65.0;
+const BELIEFS: (f64, f64) = (200.0, 4000.0);
 /// Nodes of the belief graph; each takes about a kilobyte.
 const MOST_NODES: usize = 4_000_000;
 /// Label vectors of a scan that can be enumerated.
@@ -228,7 +229,9 @@ fn improved_policy(
     watch: &mut Watch<'_>,
 ) -> PolicyGraph {
     let arrival = Belief::new(model).as_slice().to_vec();
-    let beliefs = visited_beliefs(model, BELIEFS, |belief| grid.look_ahead(model, belief, 0).0);
+    let wanted = (BELIEFS_PER_SECOND * watch.time.as_secs_f64()).clamp(BELIEFS.0, BELIEFS.1);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between the two
+    let beliefs = visited_beliefs(model, wanted as usize, |belief| grid.look_ahead(model, belief, 0).0);
     let mut graph = PolicyGraph::new(model, start, &beliefs);
     let mut lower = graph.value(model, &arrival);
     loop {
