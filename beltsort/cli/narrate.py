@@ -1,8 +1,8 @@
 """Journal entries in plain words, one line each."""
 
-import json
 from typing import Any
 
+from beltsort import SortingModel
 from beltsort.journal import Entry
 
 
@@ -66,10 +66,10 @@ class Narrator:
         return f"{self.classes[best]} {row[best]:.2f}"
 
     def _start(self, data: dict[str, Any]) -> str:
-        model = json.loads(data["model"])
-        self.classes, self.viewpoints = model["classes"], model["viewpoints"]
-        self._arrival = model.get("arrival") or [1.0 / len(self.classes)] * len(self.classes)
-        self.belief = [self._arrival] * len(model["p_obs"])
+        model = SortingModel.from_json(data["model"])
+        self.classes, self.viewpoints = list(model.classes), list(model.viewpoints)
+        self._arrival = model.arrival.tolist()
+        self.belief = [self._arrival] * model.positions
         return f"sorting {data['objects']} objects: {', '.join(self.classes)}"
 
     def _scan(self, data: dict[str, Any]) -> str:

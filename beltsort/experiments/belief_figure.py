@@ -1,12 +1,11 @@
 """The belief over time with the decisions marked, as in the paper's Fig. 3."""
 
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from beltsort import Belief, SortingModel
 from beltsort.errors import JournalError
 from beltsort.journal import Entry
 
@@ -17,7 +16,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 def belief_over_time(
     entries: list[Entry],
-) -> tuple[NDArray[np.float64], list[tuple[int, str]], dict[str, Any]]:
+) -> tuple[NDArray[np.float64], list[tuple[int, str]], SortingModel]:
     """Return the belief after each planner step, the decisions, and the model of a journalled run.
 
     Returns
@@ -27,7 +26,7 @@ def belief_over_time(
     decisions
         (step, class name) of each.
     model
-        The model file's content.
+        The model it was planned with.
 
     Raises
     ------
@@ -36,10 +35,8 @@ def belief_over_time(
     """
     if not entries or entries[0].kind != "start":
         raise JournalError("the journal has no start entry; was the run killed before it began?")
-    model = json.loads(entries[0].data["model"])
-    classes, positions = model["classes"], len(model["p_obs"])
-    arrival = model.get("arrival") or [1.0 / len(classes)] * len(classes)
-    belief = np.tile(np.asarray(arrival, dtype=np.float64), (positions, 1))
+    model = SortingModel.from_json(entries[0].data["model"])
+    belief = Belief(model).probabilities
     beliefs, decisions = [belief], []
     for entry in entries:
         if entry.kind == "scan":
@@ -49,8 +46,8 @@ def belief_over_time(
             if entry.kind == "decision":
                 beliefs.append(belief)
                 label = entry.data["label"]
-                decisions.append((len(beliefs) - 1, "reject" if label is None else classes[label]))
-            belief = np.vstack([belief[1:], [arrival]])
+                decisions.append((len(beliefs) - 1, "reject" if label is None else model.classes[label]))
+            belief = np.vstack([belief[1:], model.arrival])
     return np.stack(beliefs), decisions, model
 
 
@@ -74,7 +71,7 @@ def draw_belief(entries: list[Entry], path: Path) -> None:
     FigureCanvasAgg(figure)
     panels = figure.subplots(positions, 1, sharex=True, squeeze=False)[:, 0]
     for j, panel in enumerate(panels):
-        for i, name in enumerate(model["classes"]):
+        for i, name in enumerate(model.classes):
             style = {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[i % len(MARKERS)]}
             panel.plot(range(steps), beliefs[:, j, i], label=name, markersize=4, linewidth=1.2, **style)
         panel.set(ylim=(-0.03, 1.14), yticks=(0.0, 0.25, 0.5, 0.75, 1.0), ylabel=f"belief, position {j + 1}")
@@ -91,6 +88,6 @@ def draw_belief(entries: list[Entry], path: Path) -> None:
     panels[-1].set_xlabel("planner step")
     panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     figure.legend(
-        *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(model["classes"])
+        *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(model.classes)
     )
     figure.savefig(path, dpi=120)

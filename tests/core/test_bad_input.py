@@ -179,7 +179,7 @@ CASES: dict[str, tuple[Callable[[], object], type[BeltsortError], list[str]]] = 
     ),
     "truth": (evaluation(truth=random_model(0, h=1)), ArgumentError, ["(1, 2, 3)", "(2, 2, 3)", "agree"]),
     "no policy": (
-        lambda: evaluate(MODEL, 3),  # type: ignore[arg-type]
+        lambda: evaluate(MODEL, 3),  # type: ignore[arg-type] # the mistake under test
         PolicyError,
         ["policy = 3", "act(belief, viewpoint)"],
     ),
@@ -201,4 +201,4 @@ def test_a_policy_that_names_no_action() -> None:
         def act(self, belief: Belief, viewpoint: int) -> None: ...
 
     with pytest.raises(PolicyError, match=r"returned None; return beltsort\.Move"):
-        evaluate(MODEL, Silent(), batches=1)  # type: ignore[arg-type]
+        evaluate(MODEL, Silent(), batches=1)  # type: ignore[arg-type] # the mistake under test

@@ -43,10 +43,10 @@ def marginals(joint: Joint) -> list[NDArray[np.float64]]:
 
 
 @settings(deadline=None, max_examples=40, derandomize=True)
-@given(seed=SEEDS, h=st.integers(1, 3), k=st.integers(1, 3), l=st.integers(2, 4))
-def test_equals_the_joint(seed: int, h: int, k: int, l: int) -> None:  # noqa: E741
+@given(seed=SEEDS, h=st.integers(1, 3), k=st.integers(1, 3), n=st.integers(2, 4))
+def test_equals_the_joint(seed: int, h: int, k: int, n: int) -> None:
     rng = np.random.default_rng(seed)
-    model = random_model(seed, h, k, l, arrival=rng.dirichlet(np.ones(l)).tolist())
+    model = random_model(seed, h, k, n, arrival=rng.dirichlet(np.ones(n)).tolist())
     belief = random_belief(model, seed)
     joint = joint_of(belief)
     for _ in range(6):
@@ -55,7 +55,7 @@ def test_equals_the_joint(seed: int, h: int, k: int, l: int) -> None:  # noqa: E
             joint = advanced(joint, model)
         else:
             viewpoint = int(rng.integers(k))
-            labels = [None if rng.random() < 0.3 else int(rng.integers(l)) for _ in range(h)]
+            labels = [None if rng.random() < 0.3 else int(rng.integers(n)) for _ in range(h)]
             belief.observe(viewpoint, labels)
             joint = observed(joint, model, viewpoint, labels)
         np.testing.assert_allclose(belief.probabilities, marginals(joint), atol=1e-12)

@@ -1,5 +1,7 @@
 """evaluate: fair, reproducible, and honest about what it cannot say."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -98,9 +100,9 @@ def test_truth_draws_what_the_model_believes() -> None:
 
 
 @pytest.mark.parametrize("biased", [{"true_classes": [0, 1]}, {"truth": random_model(9)}])
-def test_biased_expectations_are_refused(biased: dict[str, object]) -> None:
+def test_biased_expectations_are_refused(biased: dict[str, Any]) -> None:
     model = random_model(0)
-    result = evaluate(model, Threshold(model, 0.7), batches=2, **biased)  # type: ignore[arg-type]
+    result = evaluate(model, Threshold(model, 0.7), batches=2, **biased)
     with pytest.raises(ArgumentError, match=r"biased.*Use discounted_returns"):
         _ = result.expected_discounted_returns
     assert "expected_discounted_returns" not in result.summary()

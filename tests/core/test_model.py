@@ -38,7 +38,7 @@ def through_pickle(model: SortingModel, _: Path) -> SortingModel:
 
 
 @pytest.mark.parametrize("way", [through_file, through_pickle])
-@pytest.mark.parametrize("model", [FULL, random_model(2, h=1, k=1, l=2)])
+@pytest.mark.parametrize("model", [FULL, random_model(2, h=1, k=1, n=2)])
 def test_round_trip(
     way: Callable[[SortingModel, Path], SortingModel], model: SortingModel, tmp_path: Path
 ) -> None:

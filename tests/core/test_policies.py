@@ -1,5 +1,7 @@
 """Threshold and InformationGain: when they decide and where they look."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,10 +16,10 @@ SHARP = np.array([[0.9, 0.1], [0.1, 0.9]])
 
 
 def two_class_model(
-    *tables: list[np.ndarray[tuple[int, int], np.dtype[np.float64]]], **settings: object
+    *tables: list[np.ndarray[tuple[int, int], np.dtype[np.float64]]], **settings: Any
 ) -> SortingModel:
     names = [f"v{i}" for i in range(len(tables[0]))]
-    return SortingModel(["a", "b"], names, np.array(tables), **settings)  # type: ignore[arg-type]
+    return SortingModel(["a", "b"], names, np.array(tables), **settings)
 
 
 @pytest.mark.parametrize("policy_class", [Threshold, InformationGain])

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from beltsort.geometry import BeltLayout
 
 EMPTY = "empty"
 UNUSABLE = "unusable"
-Glimpse = int | str | None
+Glimpse: TypeAlias = int | str | None
 """A label, None (seen, not labelled) or EMPTY."""
 
 

@@ -1,5 +1,7 @@
 import itertools
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,9 +10,10 @@ import beltsort
 from beltsort import Belief, Decide, Move
 from beltsort.errors import CellError
 from beltsort.journal import Entry, Journal, read_journal
+from beltsort.policy import Policy
 from beltsort.report import SortingReport
 from beltsort.sorter import Rules, sort_objects
-from tests.loop.scripted_cell import EMPTY, UNUSABLE, ScriptedCell, scripted
+from tests.loop.scripted_cell import EMPTY, UNUSABLE, Glimpse, ScriptedCell, scripted
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json")
 
@@ -36,8 +39,8 @@ class LookOnceEach:
 def run(
     tmp_path: Path,
     cell: ScriptedCell,
-    scans: object,
-    policy: object,
+    scans: Iterable[Sequence[Glimpse] | str],
+    policy: Policy,
     objects: int,
     rules: Rules | None = None,
 ) -> tuple[SortingReport, list[Entry]]:
@@ -45,8 +48,8 @@ def run(
     with Journal(path) as journal:
         report = sort_objects(
             cell,
-            scripted(scans),  # type: ignore[arg-type] # scripts are written loosely
-            policy,  # type: ignore[arg-type] # so are policies
+            scripted(scans),
+            policy,
             cell.model,
             journal,
             objects=objects,
@@ -95,7 +98,7 @@ def test_looking_ends_at_max_looks(tmp_path: Path, reject_bin: int | None) -> No
 
 def test_empty_place_is_confirmed_from_elsewhere_then_skipped(tmp_path: Path) -> None:
     cell = ScriptedCell(PAPER)
-    scans = [[EMPTY, 1], [EMPTY, 1], [1, None]]
+    scans: list[Sequence[Glimpse] | str] = [[EMPTY, 1], [EMPTY, 1], [1, None]]
     report, entries = run(tmp_path, cell, scans, LookOnceEach(), objects=2)
     assert report.skipped == (0,)
     assert [d.object for d in report.decisions] == [1]
@@ -107,7 +110,7 @@ def test_empty_place_is_confirmed_from_elsewhere_then_skipped(tmp_path: Path) ->
 def test_emptiness_seen_upstream_is_confirmed_from_elsewhere(tmp_path: Path) -> None:
     # Seen empty twice from p1 on its way; only a look from another viewpoint settles it.
     rules = Rules(max_looks=3)
-    hidden = [[1, EMPTY], [1, EMPTY], [1, EMPTY], [2, None], *[[2, None]] * 3]
+    hidden: list[Sequence[Glimpse] | str] = [[1, EMPTY], [1, EMPTY], [1, EMPTY], [2, None], *[[2, None]] * 3]
     cell = ScriptedCell(PAPER)
     report, _ = run(tmp_path, cell, hidden, AlwaysLook(), objects=2, rules=rules)
     assert report.skipped == ()
@@ -126,7 +129,7 @@ def test_emptiness_seen_upstream_counts(tmp_path: Path) -> None:
 @pytest.mark.parametrize("action", [None, "Decide(0)", Move(2), Decide(4)])
 def test_illegal_actions_are_refused_before_anything_moves(tmp_path: Path, action: object) -> None:
     class Stubborn:
-        def act(self, belief: Belief, viewpoint: int) -> object:
+        def act(self, belief: Belief, viewpoint: int) -> Any:
             return action
 
     travel = [[0, 1], [0, 1, 2], [1, 2]]
@@ -138,7 +141,7 @@ def test_illegal_actions_are_refused_before_anything_moves(tmp_path: Path, actio
 
 
 def test_an_object_that_shows_again_is_not_empty(tmp_path: Path) -> None:
-    scans = [[EMPTY, None], [2, None]]
+    scans: list[Sequence[Glimpse] | str] = [[EMPTY, None], [2, None]]
     report, _ = run(tmp_path, ScriptedCell(PAPER), scans, LookOnceEach(), objects=1)
     assert report.skipped == ()
     assert [(d.object, d.looks) for d in report.decisions] == [(0, 2)]
@@ -157,7 +160,7 @@ def test_impossible_labels_are_dropped_and_end_the_looking(tmp_path: Path) -> No
 
 
 def test_unusable_scans_are_repeated_then_reported(tmp_path: Path) -> None:
-    scans = [UNUSABLE, [1, None], UNUSABLE, UNUSABLE, UNUSABLE]
+    scans: list[Sequence[Glimpse] | str] = [UNUSABLE, [1, None], UNUSABLE, UNUSABLE, UNUSABLE]
     with pytest.raises(CellError, match="3 scans in a row are unusable"):
         run(tmp_path, ScriptedCell(PAPER), scans, LookOnceEach(), objects=2)
     entries = read_journal(tmp_path / "journal.sqlite")

@@ -30,6 +30,7 @@ pub(crate) struct Look {
     /// Entry `j * L + z`.
     outcomes: Vec<Outcome>,
     arrival_values: Vec<f64>,
+    value: f64,
 }
 
 struct Outcome {
@@ -62,13 +63,13 @@ impl Look {
             expected = expectation(labels, &expected);
         }
         let arrival_values = policy.arrival_values().to_vec();
-        Self { classes: l, group: policy.group(viewpoint), outcomes, arrival_values }
+        let group = policy.group(viewpoint);
+        Self { classes: l, group, outcomes, arrival_values, value: expected[group] }
     }
 
     /// Expected value of following those plans, over all labels: a lower bound of the value after the scan.
     pub(crate) fn value(&self) -> f64 {
-        let positions = self.outcomes.chunks_exact(self.classes).rev();
-        positions.fold(self.arrival_values.clone(), |after, labels| expectation(labels, &after))[self.group]
+        self.value
     }
 
     /// Value of following those plans after the given labels, one per position.
