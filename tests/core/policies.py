@@ -1,6 +1,6 @@
 """Policies to test with."""
 
-from beltsort import Belief, Decide, Move
+from beltsort import Belief, Decide, Move, Policy
 
 
 class LookThenDecide:
@@ -26,3 +26,15 @@ class Always:
 
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide:
         return self.action
+
+
+class Recorded:
+    """Does what another policy does, and notes what it was asked."""
+
+    def __init__(self, policy: Policy) -> None:
+        self.policy = policy
+        self.asked: list[tuple[Belief, int]] = []
+
+    def act(self, belief: Belief, viewpoint: int) -> Move | Decide:
+        self.asked.append((belief.copy(), viewpoint))
+        return self.policy.act(belief, viewpoint)

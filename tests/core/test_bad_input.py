@@ -22,6 +22,7 @@ from beltsort import (
     SortingModel,
     Threshold,
     evaluate,
+    solve,
 )
 
 from .models import random_model
@@ -29,6 +30,7 @@ from .models import random_model
 TABLES = [[[[0.5, 0.5], [0.1, 0.9]]]]
 MODEL = random_model(0)
 OTHER = random_model(1)
+REPEATING = random_model(0, repeat=0.5)
 THRESHOLD = Threshold(MODEL, 0.9)
 
 
@@ -90,7 +92,45 @@ CASES: dict[str, tuple[Callable[[], object], type[BeltsortError], list[str]]] = 
     "counts negative": (model(counts=[[[[-1, 2], [3, 4]]]]), ModelError, ["-1", "not negative"]),
     "counts broken": (model(counts=[[[[0.5, 2], [3, 4]]]]), ModelError, ["0.5", "whole numbers"]),
     "smoothing": (model(smoothing=-1.0), ModelError, ["smoothing = -1", "not negative"]),
-    "repeat": (model(repeat=0.5), ModelError, ["repeat", "not supported", "Leave repeat out"]),
+    "repeat 1": (model(repeat=1.0), ModelError, ["repeat holds 1", "below 1"]),
+    "repeat negative": (model(repeat=-0.1), ModelError, ["repeat holds -0.1", "at least 0"]),
+    "repeat NaN": (model(repeat=[[np.nan]]), ModelError, ["repeat holds NaN", "below 1"]),
+    "repeat positions": (model(repeat=[[0.5], [0.5]]), ModelError, ["2 entries", "expected 1", "position"]),
+    "repeat viewpoints": (
+        model(repeat=[[0.5, 0.5]]),
+        ModelError,
+        ["repeat[0]", "2 entries", "expected 1", "viewpoint"],
+    ),
+    "information gain": (model(information_gain=-1.0), ModelError, ["information_gain = -1", "not negative"]),
+    "infinite gain": (model(information_gain=np.inf), ModelError, ["information_gain = inf", "finite"]),
+    "empty class": (model(empty="c"), ModelError, ['empty = "c"', "(a, b)", "leave it out"]),
+    "plan for repeats": (lambda: Despot(REPEATING), ModelError, ["repeat is set", "leave it out"]),
+    "solve repeats": (lambda: solve(REPEATING), ModelError, ["repeat is set", "leave it out"]),
+    "plan for scans after decisions": (
+        lambda: Despot(random_model(0, observe_after_decision=True)),
+        ModelError,
+        ["observe_after_decision is set", "Threshold"],
+    ),
+    "plan for bonuses": (
+        lambda: Despot(random_model(0, information_gain=0.1)),
+        ModelError,
+        ["information_gain is set", "Threshold"],
+    ),
+    "last labels' shape": (
+        lambda: Belief(REPEATING, last_labels=[[0, 1]]),
+        ArgumentError,
+        ["1 rows of lengths [2]", "expected shape (2, 2)"],
+    ),
+    "last label": (
+        lambda: Belief(REPEATING, last_labels=[[0, 3], [0, 0]]),
+        ArgumentError,
+        ["label 3", "0 to 2"],
+    ),
+    "negative last label": (
+        lambda: Belief(REPEATING, last_labels=[[0, -2], [0, 0]]),
+        ArgumentError,
+        ["last_labels holds -2"],
+    ),
     "unknown key": (file(p_obs=TABLES, discont=0.9), ModelError, ['"discont"', '"discount"', "Known keys"]),
     "missing key": (file(), ModelError, ["missing field `p_obs`"]),
     "wrong type": (file(p_obs=TABLES, r_min="high"), ModelError, ["high", "expected f64"]),

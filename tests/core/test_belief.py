@@ -123,3 +123,64 @@ def test_most_likely(paper: SortingModel) -> None:
     belief = Belief(paper, np.array([[0.1, 0.4, 0.4, 0.1], [0, 0, 0, 1]]))
     assert belief.most_likely(0) == (1, 0.4)
     assert belief.most_likely(1) == (3, 1.0)
+
+
+def mixed(model: SortingModel, viewpoint: int, last: int, j: int = 0) -> NDArray[np.float64]:
+    """P(z' | z, v, c) of one position by the definition of `repeat`, shape (L, L)."""
+    repeat = model.repeat[j, viewpoint]
+    return np.asarray(repeat * np.eye(3)[last] + (1 - repeat) * model.p_obs[j, viewpoint])
+
+
+@settings(deadline=None, max_examples=30, derandomize=True)
+@given(seed=SEEDS, first=st.integers(0, 2), second=st.integers(0, 2), repeat=st.floats(0.01, 0.99))
+def test_a_second_look_from_the_same_viewpoint(seed: int, first: int, second: int, repeat: float) -> None:
+    model = random_model(seed, h=1, repeat=repeat)
+    belief = random_belief(model, seed)
+    prior = belief.probabilities[0]
+    belief.observe(0, [first])
+    once = prior * model.p_obs[0, 0, :, first]
+    twice = once * mixed(model, 0, first)[:, second]
+    np.testing.assert_allclose(belief.label_probabilities(0)[0], once @ mixed(model, 0, first) / once.sum())
+    belief.observe(0, [second])
+    np.testing.assert_allclose(belief.probabilities[0], twice / twice.sum(), atol=1e-12)
+
+
+def test_only_a_look_from_the_same_viewpoint_repeats() -> None:
+    plain, model = random_model(0), random_model(0, repeat=[[0.9, 0.0], [0.9, 0.0]])
+    belief, expected = Belief(model), Belief(plain)
+    for viewpoint in (0, 1, 1):
+        belief.observe(viewpoint, [2, 1])
+        expected.observe(viewpoint, [2, 1])
+    assert np.array_equal(belief.probabilities, expected.probabilities)
+    assert belief.last_labels.tolist() == [[2, -1], [1, -1]]
+
+
+def test_memory_keeps_the_last_label_until_the_belt_moves() -> None:
+    model = random_model(0, repeat=0.5)
+    belief = Belief(model)
+    belief.observe(0, [1, 2])
+    belief.observe(0, [None, 0])
+    assert belief.last_labels.tolist() == [[1, -1], [0, -1]]
+    belief.advance()
+    assert belief.last_labels.tolist() == [[-1, -1], [-1, -1]]
+
+
+def test_a_belief_is_rebuilt_from_its_record() -> None:
+    model = random_model(0, repeat=0.5)
+    belief = Belief(model)
+    belief.observe(1, [1, 2])
+    again = Belief(model, belief.probabilities.tolist(), belief.last_labels.tolist())
+    assert again == belief
+    assert again != Belief(model, belief.probabilities)
+    assert repr(again).endswith("], last_labels=[[-1, 1], [-1, 2]])")
+    again.observe(1, [1, 1])
+    assert again != belief
+    belief.observe(1, [1, 1])
+    assert again == belief
+
+
+def test_without_repeats_nothing_is_remembered(paper: SortingModel) -> None:
+    belief = Belief(paper)
+    belief.observe(0, [0, 0])
+    assert np.all(belief.last_labels == -1)
+    assert "last_labels" not in repr(belief)

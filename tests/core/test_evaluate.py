@@ -7,6 +7,7 @@ import pytest
 
 from beltsort import (
     ArgumentError,
+    Belief,
     Despot,
     Evaluation,
     InformationGain,
@@ -17,11 +18,14 @@ from beltsort import (
 )
 
 from .models import random_model, seeing_model
-from .policies import Always, LookThenDecide
+from .policies import Always, LookThenDecide, Recorded
 
 
 def columns(result: Evaluation) -> list[list[float]]:
-    arrays = (result.steps, result.correct, result.forced, result.returns, result.discounted_returns)
+    arrays = (
+        *(result.steps, result.correct, result.forced, result.returns, result.discounted_returns),
+        *(result.expected_discounted_returns, result.bonuses, result.discounted_bonuses),
+    )
     return [array.tolist() for array in arrays]
 
 
@@ -31,6 +35,19 @@ def test_independent_of_threads_and_repetition(paper: SortingModel) -> None:
         for threads in (1, 2, 8, None):
             assert columns(evaluate(paper, policy, batches=20, seed=5, threads=threads)) == once
         assert columns(evaluate(paper, policy, batches=20, seed=6)) != once
+
+
+def test_a_model_in_full_is_independent_of_threads(paper: SortingModel) -> None:
+    model = SortingModel(
+        *(paper.classes, paper.viewpoints, paper.p_obs),
+        observe_after_decision=True,
+        repeat=0.5,
+        information_gain=0.5,
+    )
+    policy = InformationGain(model, 0.9, positions=2)
+    once = columns(evaluate(model, policy, batches=20, threads=1))
+    for threads in (2, 8):
+        assert columns(evaluate(model, policy, batches=20, threads=threads)) == once
 
 
 def test_more_batches_keep_the_first_ones(paper: SortingModel) -> None:
@@ -128,3 +145,79 @@ def test_max_looks_ends_every_search() -> None:
     result = evaluate(model, Always(Move(0)), batches=3, batch_size=4, max_looks=5)
     assert result.steps.tolist() == [4 * (5 + 1)] * 3
     assert result.forced.tolist() == [4] * 3
+
+
+def test_second_looks_repeat_as_often_as_the_truth_says() -> None:
+    """A second label agrees with the first with probability repeat + (1 - repeat) / L."""
+    model = random_model(0, h=1, k=1)
+    blind = SortingModel(model.classes, model.viewpoints, np.full((1, 1, 3, 3), 1 / 3), repeat=0.4)
+    policy = Recorded(LookThenDecide(looks=5))
+    evaluate(blind, policy, batches=200)
+    labels = np.array([belief.last_labels[0, 0] for belief, _ in policy.asked]).reshape(2000, 6)
+    assert np.all(labels[:, 0] == -1)
+    agreement, expected = np.mean(labels[:, 2:] == labels[:, 1:-1]), 0.4 + 0.6 / 3
+    assert abs(agreement - expected) < 4 * np.sqrt(expected * (1 - expected) / 8000)
+    assert np.bincount(labels[:, 5]) / 2000 == pytest.approx(1 / 3, abs=0.05)
+
+
+def test_a_scan_from_where_the_camera_stands_follows_a_decision() -> None:
+    model = random_model(0, repeat=0.5, observe_after_decision=True)
+    policy = Recorded(LookThenDecide(viewpoint=1))
+    evaluate(model, policy, batches=1, batch_size=3)
+    for before, after in zip(policy.asked[1::2], policy.asked[2::2], strict=False):
+        expected, viewpoint = before[0].copy(), before[1]
+        expected.advance()
+        expected.observe(viewpoint, after[0].last_labels[:, viewpoint].tolist())
+        assert after == (expected, viewpoint)
+
+
+def test_a_scan_after_a_decision_is_a_look_but_no_step() -> None:
+    model = seeing_model(h=2, observe_after_decision=True)
+    result = evaluate(model, Threshold(model, 0.9), batches=2)
+    assert result.steps.tolist() == [1 + 10] * 2
+    assert result.correct.tolist() == [10] * 2
+    result = evaluate(model, Always(Move(0)), batches=1, batch_size=3, max_looks=5)
+    # The second object is seen as often as the first; the third only after both decisions.
+    assert result.steps.tolist() == [(5 + 1) + (0 + 1) + (3 + 1)]
+
+
+def test_bonuses_by_hand() -> None:
+    plain = seeing_model(discount=0.5)
+    paid = seeing_model(discount=0.5, information_gain=2.0)
+    without, result = (evaluate(m, LookThenDecide(), batches=1, batch_size=2) for m in (plain, paid))
+    assert result.returns.tolist() == without.returns.tolist()
+    assert result.expected_discounted_returns.tolist() == without.expected_discounted_returns.tolist()
+    assert result.bonuses.tolist() == pytest.approx([2 * 2 * np.log(3)])
+    assert result.discounted_bonuses.tolist() == pytest.approx([2 * np.log(3) * (1 + 0.5**2)])
+    assert without.bonuses.tolist() == [0.0]
+    assert set(result.summary()) - set(without.summary()) == {"bonuses", "discounted_bonuses"}
+
+
+def test_the_scan_after_a_decision_earns_its_bonus_within_the_step() -> None:
+    model = seeing_model(discount=0.5, information_gain=2.0, observe_after_decision=True)
+    result = evaluate(model, Threshold(model, 0.9), batches=1, batch_size=2)
+    assert result.discounted_bonuses.tolist() == pytest.approx([2 * np.log(3) * (1 + 0.5 + 0.5**2)])
+
+
+def test_a_bonus_is_the_expected_drop_of_entropy() -> None:
+    model = random_model(3, h=1, repeat=0.5, information_gain=1.0)
+    policy = Recorded(LookThenDecide(looks=4))
+    result = evaluate(model, policy, batches=1, batch_size=1)
+    drops = [expected_drop(belief, 0) for belief, _ in policy.asked[:4]]
+    assert result.bonuses.tolist() == pytest.approx([sum(drops)])
+    assert min(drops) > 0
+
+
+def expected_drop(belief: Belief, viewpoint: int) -> float:
+    """Entropy of a belief about one position, less its expectation after a scan, by enumeration."""
+    left = 0.0
+    for z, probability in enumerate(belief.label_probabilities(viewpoint)[0]):
+        posterior = belief.copy()
+        posterior.observe(viewpoint, [z])
+        left += probability * entropy(posterior)
+    return entropy(belief) - left
+
+
+def entropy(belief: Belief) -> float:
+    b = belief.probabilities
+    return float(-np.sum(b * np.log(b)))

@@ -20,6 +20,10 @@ FULL = random_model(
     discount=0.9,
     arrival=[0.5, 0.25, 0.25],
     travel=[[1, 0], []],
+    observe_after_decision=True,
+    repeat=[[0.0, 0.5], [0.25, 0.9]],
+    information_gain=0.3,
+    empty="c2",
     counts=np.arange(36).reshape(2, 2, 3, 3),
     smoothing=0.5,
     note="ü",
@@ -57,6 +61,8 @@ def test_properties() -> None:
     assert FULL.motion_cost.tolist() == [[0.0, 1.0], [2.0, 0.5]]
     assert FULL.arrival.tolist() == [0.5, 0.25, 0.25]
     assert FULL.travel == [[0, 1], []]
+    assert FULL.repeat.tolist() == [[0.0, 0.5], [0.25, 0.9]]
+    assert (FULL.observe_after_decision, FULL.information_gain, FULL.empty) == (True, 0.3, "c2")
     assert FULL.counts is not None
     assert FULL.counts.dtype == np.uint64
     assert FULL.counts[1, 1, 2, 2] == 35
@@ -70,6 +76,12 @@ def test_defaults() -> None:
     assert model.arrival == pytest.approx(1 / 3)
     assert model.counts is None
     assert model.smoothing is None
+    assert np.array_equal(model.repeat, np.zeros((2, 2)))
+    assert (model.observe_after_decision, model.information_gain, model.empty) == (False, 0.0, None)
+
+
+def test_one_repeat_for_all() -> None:
+    assert np.array_equal(random_model(0, repeat=0.5).repeat, np.full((2, 2), 0.5))
 
 
 def test_arrays_are_read_only() -> None:
@@ -92,13 +104,15 @@ def test_fewer_positions() -> None:
     assert np.array_equal(one.p_obs, FULL.p_obs[:1])
     assert one.counts is not None
     assert one.counts.shape == (1, 2, 3, 3)
+    assert one.repeat.tolist() == [[0.0, 0.5]]
 
 
-def test_a_model_file_has_the_names_of_the_constructor(paper: SortingModel) -> None:
-    keys = json.loads(paper.to_json())
+def test_a_model_file_has_the_names_of_the_constructor() -> None:
+    keys = json.loads(FULL.to_json())
     p_obs = keys.pop("p_obs")
+    assert len(keys) == 15
     again = SortingModel(keys.pop("classes"), keys.pop("viewpoints"), p_obs, **keys)
-    assert again == paper
+    assert again == FULL
 
 
 def test_actions_are_values() -> None:

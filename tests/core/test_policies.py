@@ -49,6 +49,17 @@ def test_information_gain_counts_the_positions_it_is_told_to() -> None:
     assert InformationGain(model, 0.95, positions=2).act(Belief(model), 0) == Move(1)
 
 
+def test_information_gain_knows_what_a_second_look_is_worth() -> None:
+    other = np.array([[0.85, 0.15], [0.15, 0.85]])
+    for repeat, expected in [(0.0, Move(0)), (0.9, Move(1))]:
+        model = two_class_model([SHARP, other], repeat=repeat)
+        belief = Belief(model)
+        policy = InformationGain(model, 0.95)
+        assert policy.act(belief, 0) == Move(0)
+        belief.observe(0, [1])
+        assert policy.act(belief, 0) == expected
+
+
 def test_decides_where_no_move_is_legal() -> None:
     model = two_class_model([BLIND], travel=[[]])
     belief = Belief(model, [[0.4, 0.6]])

@@ -1,6 +1,11 @@
 //! The factored belief: one categorical distribution per belt position (eq. 7-8 of the paper).
 
+mod information;
+mod memory;
+
 use nalgebra::{DMatrix, DVectorView};
+
+pub(crate) use memory::Memory;
 
 use crate::error::{Error, Result, argument_error};
 use crate::model::{SortingModel, distribution};
@@ -8,11 +13,13 @@ use crate::model::{SortingModel, distribution};
 /// `b^j_i`: the probability that the object at position j is of class i.
 ///
 /// Objects are independent and each label depends on its own object only, so the product of these
-/// distributions *is* the exact posterior, not an approximation.
+/// distributions *is* the exact posterior, not an approximation. Where looks repeat, the labels seen since the belt
+/// last moved are part of the belief.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Belief {
     /// Column j is the distribution of position j, so a position's entries are contiguous: shape (L, H).
     probabilities: DMatrix<f64>,
+    memory: Memory,
 }
 
 impl Belief {
@@ -22,6 +29,7 @@ impl Belief {
         let arrival = model.arrival();
         Self {
             probabilities: DMatrix::from_fn(model.class_count(), model.position_count(), |c, _| arrival[c]),
+            memory: Memory::new(model),
         }
     }
 
@@ -45,13 +53,28 @@ impl Belief {
         for mut column in probabilities.column_iter_mut() {
             column /= column.sum();
         }
-        Ok(Self { probabilities })
+        Ok(Self { probabilities, memory: Memory::new(model) })
+    }
+
+    /// The same belief after other last labels, `rows[position][viewpoint]`; those that the model cannot repeat are
+    /// forgotten.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if the shape is not (H, K) or a label does not exist.
+    pub fn with_last_labels(self, model: &SortingModel, rows: &[Vec<Option<usize>>]) -> Result<Self> {
+        Ok(Self { memory: Memory::from_rows(model, rows)?, ..self })
     }
 
     /// The distribution of one position, length L.
     #[must_use]
     pub fn position(&self, position: usize) -> DVectorView<'_, f64> {
         self.probabilities.column(position)
+    }
+
+    /// The label that a position last gave from a viewpoint since the belt moved; `None` too where none is repeated.
+    #[must_use]
+    pub fn last_label(&self, model: &SortingModel, position: usize, viewpoint: usize) -> Option<usize> {
+        self.memory.last(model, position, viewpoint)
     }
 
     /// All positions one after the other: entry `position * L + class`.
@@ -73,20 +96,29 @@ impl Belief {
     }
 
     /// Probability of each label at each position if the camera scans from `viewpoint`, `(L, H)` with a column
-    /// per position: `P(z^j | b, v) = sum_c b^j_c o^j(z | v, c)`.
+    /// per position: `P(z^j | b, v) = sum_c b^j_c P(z | j, v, c)`, see [`SortingModel::likelihood`].
     ///
     /// # Errors
     /// [`Error::Argument`] if the viewpoint does not exist.
     pub fn label_probabilities(&self, model: &SortingModel, viewpoint: usize) -> Result<DMatrix<f64>> {
         model.check_viewpoint(viewpoint)?;
-        let mut predicted = DMatrix::zeros(model.class_count(), model.position_count());
-        for (j, mut column) in predicted.column_iter_mut().enumerate() {
-            column.copy_from(&model.table(j, viewpoint).tr_mul(&self.position(j)));
-        }
-        Ok(predicted)
+        Ok(DMatrix::from_fn(model.class_count(), model.position_count(), |z, j| {
+            self.label_probability(model, j, viewpoint, z)
+        }))
     }
 
-    /// Bayes' rule for one scan (eq. 7): `b^j_c` becomes proportional to `b^j_c o^j(z^j | v, c)`.
+    fn label_probability(
+        &self,
+        model: &SortingModel,
+        position: usize,
+        viewpoint: usize,
+        label: usize,
+    ) -> f64 {
+        let last = self.memory.last(model, position, viewpoint);
+        evidence(self.position(position).as_slice(), model.likelihoods(position, viewpoint, last, label))
+    }
+
+    /// Bayes' rule for one scan (eq. 7): `b^j_c` becomes proportional to `b^j_c P(z^j | j, v, c)`.
     ///
     /// `labels` holds one entry per position, `None` where nothing was seen.
     ///
@@ -107,34 +139,63 @@ impl Belief {
                 model.position_count()
             ));
         }
-        let mut posterior = self.probabilities.clone();
-        for (j, label) in labels.iter().enumerate() {
-            let Some(z) = *label else { continue };
+        let seen = || labels.iter().enumerate().filter_map(|(j, label)| Some((j, (*label)?)));
+        for (j, z) in seen() {
             model.check_label(z)?;
-            let mut column = posterior.column_mut(j);
-            column.component_mul_assign(&model.table(j, viewpoint).column(z));
-            let total = column.sum();
-            if total < f64::MIN_POSITIVE {
-                return Err(Error::ImpossibleObservation {
-                    position: j,
-                    viewpoint: model.spec().viewpoints[viewpoint].clone(),
-                    label: model.spec().classes[z].clone(),
-                });
-            }
-            column /= total;
+            self.check_possible(model, j, viewpoint, z)?;
         }
-        self.probabilities = posterior;
+        seen().try_for_each(|(j, z)| self.observe_one(model, j, viewpoint, z))
+    }
+
+    /// Bayes' rule for the label of one position; its indices must exist.
+    ///
+    /// # Errors
+    /// [`Error::ImpossibleObservation`] for a label of probability zero. The belief is then unchanged.
+    pub(crate) fn observe_one(
+        &mut self,
+        model: &SortingModel,
+        position: usize,
+        viewpoint: usize,
+        label: usize,
+    ) -> Result<()> {
+        let total = self.check_possible(model, position, viewpoint, label)?;
+        let last = self.memory.last(model, position, viewpoint);
+        let likelihoods = model.likelihoods(position, viewpoint, last, label);
+        for (b, p) in self.probabilities.column_mut(position).iter_mut().zip(likelihoods) {
+            *b = *b * p / total;
+        }
+        self.memory.remember(model, position, viewpoint, label);
         Ok(())
     }
 
-    /// The belt advances (eq. 8): beliefs shift by one position, the last starts from the arrival prior.
-    pub fn advance(&mut self, model: &SortingModel) {
-        let last = self.probabilities.ncols() - 1;
-        for j in 0..last {
-            let next = self.probabilities.column(j + 1).clone_owned();
-            self.probabilities.set_column(j, &next);
+    /// The probability of a label, if it has any.
+    fn check_possible(
+        &self,
+        model: &SortingModel,
+        position: usize,
+        viewpoint: usize,
+        label: usize,
+    ) -> Result<f64> {
+        let probability = self.label_probability(model, position, viewpoint, label);
+        if probability >= f64::MIN_POSITIVE {
+            return Ok(probability);
         }
-        self.probabilities.set_column(last, model.arrival());
+        Err(Error::ImpossibleObservation {
+            position,
+            viewpoint: model.spec().viewpoints[viewpoint].clone(),
+            label: model.spec().classes[label].clone(),
+        })
+    }
+
+    /// The belt advances (eq. 8): beliefs shift by one position, the last starts from the arrival prior. No object is
+    /// where it was: last labels are forgotten.
+    pub fn advance(&mut self, model: &SortingModel) {
+        let (_, l) = self.shape();
+        let probabilities = self.probabilities.as_mut_slice();
+        probabilities.copy_within(l.., 0);
+        let behind = probabilities.len() - l;
+        probabilities[behind..].copy_from_slice(model.arrival().as_slice());
+        self.memory.clear();
     }
 
     /// Check that this belief has the model's shape.
@@ -143,14 +204,20 @@ impl Belief {
     /// [`Error::Argument`] naming both shapes.
     pub fn check_fits(&self, model: &SortingModel) -> Result<()> {
         let expected = (model.position_count(), model.class_count());
-        if self.shape() == expected {
+        if self.shape() == expected && self.memory.fits(model) {
             return Ok(());
         }
         argument_error(format!(
-            "the belief has shape {:?} (positions, classes), the model {expected:?}; make it with Belief(model)",
+            "the belief has shape {:?} (positions, classes) or a memory that does not fit the model, which has \
+             {expected:?}; make it with Belief(model)",
             self.shape()
         ))
     }
+}
+
+/// `P(z) = sum_c b_c P(z | c)` from the likelihoods of one label.
+fn evidence(distribution: &[f64], likelihoods: impl Iterator<Item = f64>) -> f64 {
+    distribution.iter().zip(likelihoods).map(|(b, p)| b * p).sum()
 }
 
 /// The largest entry of a distribution (the first among equals) and its index.

@@ -79,8 +79,10 @@ impl Despot {
     ///
     /// # Errors
     /// [`crate::Error::Argument`] for no scenarios or more than a million, a negative or infinite regularisation,
-    /// depth 0, or so many label vectors (L^H) that they cannot be numbered.
+    /// depth 0, or so many label vectors (L^H) that they cannot be numbered; [`crate::Error::Model`] for a model beyond
+    /// the paper's.
     pub fn new(model: &SortingModel, config: DespotConfig) -> Result<Self> {
+        model.check_plain()?;
         if !(1..=MOST_SCENARIOS).contains(&config.scenarios) {
             return argument_error(format!(
                 "scenarios = {}; give between 1 and {MOST_SCENARIOS}, 500 for example",

@@ -1,5 +1,6 @@
 //! The sorting POMDP: sets, observation tables, rewards and travel (eq. 1-6 of the paper).
 
+mod likelihood;
 mod spec;
 mod validate;
 
@@ -8,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 pub use spec::{ModelSpec, ScalarOrMatrix, Tables};
 pub(crate) use validate::distribution;
 
-use crate::error::{Result, argument_error};
+use crate::error::{Result, argument_error, model_error};
 
 /// One planner step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -30,6 +31,8 @@ pub struct SortingModel {
     tables: Vec<DMatrix<f64>>,
     arrival: DVector<f64>,
     motion_cost: DMatrix<f64>,
+    /// Shape (H, K).
+    repeat: DMatrix<f64>,
     travel: Vec<Vec<usize>>,
 }
 
@@ -40,21 +43,19 @@ impl SortingModel {
     /// [`crate::Error::Model`] naming the first value that does not fit, what was expected, and the remedy.
     pub fn new(spec: ModelSpec) -> Result<Self> {
         validate::validate(&spec)?;
-        let (k, l) = (spec.viewpoints.len(), spec.classes.len());
+        let (h, k, l) = (spec.p_obs.len(), spec.viewpoints.len(), spec.classes.len());
         let tables = spec.p_obs.iter().flatten().map(|rows| normalised_table(rows)).collect();
         let arrival = match &spec.arrival {
             Some(prior) => normalised(prior),
             None => DVector::from_element(l, 1.0 / l as f64),
         };
-        let motion_cost = match &spec.motion_cost {
-            ScalarOrMatrix::Scalar(cost) => DMatrix::from_element(k, k, *cost),
-            ScalarOrMatrix::Matrix(rows) => DMatrix::from_fn(k, k, |from, to| rows[from][to]),
-        };
+        let motion_cost = spec.motion_cost.expand(k, k);
+        let repeat = spec.repeat.as_ref().map_or_else(|| DMatrix::zeros(h, k), |repeat| repeat.expand(h, k));
         let travel = match &spec.travel {
             Some(lists) => lists.iter().map(|list| sorted(list)).collect(),
             None => vec![(0..k).collect(); k],
         };
-        Ok(Self { spec, tables, arrival, motion_cost, travel })
+        Ok(Self { spec, tables, arrival, motion_cost, repeat, travel })
     }
 
     /// The model as it was written down.
@@ -111,6 +112,31 @@ impl SortingModel {
         &self.travel[viewpoint]
     }
 
+    /// Whether a scan from where the camera stands follows every decision, within the same step.
+    #[must_use]
+    pub fn observes_after_decision(&self) -> bool {
+        self.spec.observe_after_decision
+    }
+
+    /// Refuse what goes beyond the paper's model, for those who cannot plan for it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Model`] naming the key.
+    pub(crate) fn check_plain(&self) -> Result<()> {
+        let beyond = [
+            ("repeat", self.ever_repeats()),
+            ("observe_after_decision", self.spec.observe_after_decision),
+            ("information_gain", self.spec.information_gain > 0.0),
+        ];
+        match beyond.iter().find(|(_, used)| *used) {
+            Some((key, _)) => model_error(format!(
+                "{key} is set, which Despot and solve do not plan for; leave it out, or evaluate Threshold, \
+                 InformationGain or a policy of your own"
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// Expected reward of a decision that is right with probability `p_right`.
     #[must_use]
     pub fn decision_reward(&self, p_right: f64) -> f64 {
@@ -132,6 +158,9 @@ impl SortingModel {
         spec.p_obs.truncate(positions);
         if let Some(counts) = &mut spec.counts {
             counts.truncate(positions);
+        }
+        if let Some(ScalarOrMatrix::Matrix(rows)) = &mut spec.repeat {
+            rows.truncate(positions);
         }
         Self::new(spec)
     }

@@ -1,7 +1,5 @@
 //! Policies: anything that names the next action for a belief and a viewpoint.
 
-use nalgebra::DVectorView;
-
 use crate::belief::Belief;
 use crate::despot::{Budget, Despot};
 use crate::error::{Result, argument_error};
@@ -125,7 +123,7 @@ fn most_informative(
     positions: usize,
     viewpoints: impl IntoIterator<Item = usize>,
 ) -> Option<usize> {
-    let gain = |v| (0..positions).map(|j| information(model, belief.position(j), j, v)).sum::<f64>();
+    let gain = |v| (0..positions).map(|j| belief.information(model, j, v)).sum::<f64>();
     viewpoints
         .into_iter()
         .map(|v| (v, gain(v)))
@@ -134,19 +132,6 @@ fn most_informative(
             _ => Some(next),
         })
         .map(|(v, _)| v)
-}
-
-/// Mutual information of class and label, in nats: `sum_cz b_c P(z|c) ln(P(z|c) / P(z))`.
-fn information(model: &SortingModel, belief: DVectorView<'_, f64>, position: usize, viewpoint: usize) -> f64 {
-    let table = model.table(position, viewpoint);
-    let predicted = table.tr_mul(&belief);
-    let mut sum = 0.0;
-    for (c, b) in belief.iter().enumerate() {
-        for (z, p) in table.row(c).iter().enumerate().filter(|(_, p)| **p > 0.0 && *b > 0.0) {
-            sum += b * p * (p / predicted[z]).ln();
-        }
-    }
-    sum
 }
 
 /// The first move of a shortest path from each viewpoint to `target`; where there is none, the first legal move.

@@ -91,13 +91,15 @@ impl Solution {
     /// the closed form of [`crate::bounds`] and the search alone narrows the gap, slowly.
     ///
     /// # Errors
-    /// [`crate::Error::Argument`] if the time is 0, or a scan has more than 4096 label vectors.
+    /// [`crate::Error::Argument`] if the time is 0, or a scan has more than 4096 label vectors; [`crate::Error::Model`]
+    /// for a model beyond the paper's.
     pub fn solve(
         model: &SortingModel,
         time: Duration,
         stop: &AtomicBool,
         progress: Progress<'_>,
     ) -> Result<Self> {
+        model.check_plain()?;
         check(model, time)?;
         let arrival = Belief::new(model).as_slice().to_vec();
         let policy = OneObjectPolicy::solve(model);

@@ -3,6 +3,8 @@
 //! Inversion keeps common random numbers common: the same uniform gives the same, or a neighbouring, label under
 //! every table.
 
+use std::borrow::Borrow;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -31,10 +33,11 @@ pub(crate) fn stream(seed: u64, purpose: Purpose, index: u64) -> ChaCha8Rng {
 }
 
 /// The entry of `distribution` that the uniform `u` in [0, 1) selects; never one of probability zero.
-pub(crate) fn invert<'a>(distribution: impl IntoIterator<Item = &'a f64>, u: f64) -> usize {
+pub(crate) fn invert<P: Borrow<f64>>(distribution: impl IntoIterator<Item = P>, u: f64) -> usize {
     let mut cumulated = 0.0;
     let mut last_possible = 0;
-    for (index, &p) in distribution.into_iter().enumerate() {
+    for (index, p) in distribution.into_iter().enumerate() {
+        let p = *p.borrow();
         if p > 0.0 {
             last_possible = index;
             cumulated += p;
@@ -46,7 +49,41 @@ pub(crate) fn invert<'a>(distribution: impl IntoIterator<Item = &'a f64>, u: f64
     last_possible
 }
 
-/// The label that a scan from `viewpoint` gives to an object of `class` at `position`.
-pub(crate) fn label(model: &SortingModel, position: usize, viewpoint: usize, class: usize, u: f64) -> usize {
-    invert(model.table(position, viewpoint).row(class).iter(), u)
+/// The label that a scan from `viewpoint` gives to an object of `class` at `position`, after the label `last`.
+///
+/// It is drawn from the mixture of repeated and fresh labels at once: one uniform per look, whatever was seen before.
+pub(crate) fn label(
+    model: &SortingModel,
+    position: usize,
+    viewpoint: usize,
+    last: Option<usize>,
+    class: usize,
+    u: f64,
+) -> usize {
+    invert(model.label_distribution(position, viewpoint, last, class), u)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::testing::{models_in_full, seeded};
+
+    proptest! {
+        #![proptest_config(seeded(64))]
+
+        #[test]
+        fn labels_come_as_often_as_their_likelihood(spec in models_in_full(), last in 0..2_usize, class in 0..2_usize) {
+            const N: usize = 2000;
+            let model = SortingModel::new(spec).unwrap();
+            let mut counts = vec![0.0; model.class_count()];
+            for i in 0..N {
+                counts[label(&model, 0, 0, Some(last), class, i as f64 / N as f64)] += 1.0 / N as f64;
+            }
+            for (z, share) in counts.into_iter().enumerate() {
+                prop_assert!((share - model.likelihood(0, 0, Some(last), z, class)).abs() < 2.0 / N as f64);
+            }
+        }
+    }
 }

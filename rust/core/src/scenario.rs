@@ -62,7 +62,7 @@ impl Scenarios {
         let uniforms = &stream.uniforms[at.depth * self.positions..][..self.positions];
         let positions = stream.classes[at.decisions..].iter().zip(uniforms).enumerate();
         positions.fold(0, |code, (j, (&class, &u))| {
-            code * model.class_count() as u64 + label(model, j, at.viewpoint, class, u) as u64
+            code * model.class_count() as u64 + label(model, j, at.viewpoint, None, class, u) as u64
         })
     }
 }

@@ -3,18 +3,16 @@
 //! Randoms are indexed by (batch, object, look): every policy meets the same objects, and the n-th look at an object
 //! draws on the same random, whatever happened in between.
 
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+mod batch;
+mod evaluation;
+
 use rayon::prelude::*;
 
-use crate::belief::Belief;
-use crate::error::{Error, Result, argument_error};
-use crate::model::{Action, SortingModel};
+use crate::error::{Result, argument_error};
+use crate::model::SortingModel;
 use crate::policy::Policy;
-use crate::sampling::{Purpose, invert, label, stream};
-
-/// This many impossible labels of one object in a row end the looking at it.
-const IMPOSSIBLE_IN_A_ROW: usize = 3;
+use batch::Batch;
+pub use evaluation::{Evaluation, Statistics};
 
 /// Batches, and objects of a batch, are fewer than this: together they number a stream of randoms.
 const MOST: usize = 1 << 31;
@@ -47,61 +45,7 @@ pub struct EvaluationConfig {
     pub max_looks: usize,
 }
 
-/// Outcomes, one entry per batch.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Evaluation {
-    /// Moves and decisions.
-    pub steps: Vec<u64>,
-    /// Right decisions.
-    pub correct: Vec<u64>,
-    /// Decisions forced by `max_looks` or by impossible labels.
-    pub forced: Vec<u64>,
-    /// Sum of rewards.
-    pub returns: Vec<f64>,
-    /// Sum of discounted rewards.
-    pub discounted_returns: Vec<f64>,
-    /// As `discounted_returns`, each decision scored by its expectation under the belief.
-    pub expected_discounted_returns: Vec<f64>,
-}
-
-/// Mean and standard error over batches.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Statistics {
-    /// Sample mean.
-    pub mean: f64,
-    /// Standard error of the mean; NaN for a single batch.
-    pub standard_error: f64,
-}
-
-impl Statistics {
-    fn of(sample: &[f64]) -> Self {
-        let n = sample.len() as f64;
-        let mean = sample.iter().sum::<f64>() / n;
-        let squares = sample.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-        Self { mean, standard_error: (squares / (n - 1.0) / n).sqrt() }
-    }
-}
-
-impl Evaluation {
-    /// Statistics of every outcome by name; `expected_discounted_returns` only if they are unbiased.
-    #[must_use]
-    pub fn summary(&self, expectations_unbiased: bool) -> Vec<(&'static str, Statistics)> {
-        let counted = |counts: &[u64]| Statistics::of(&counts.iter().map(|n| *n as f64).collect::<Vec<_>>());
-        let mut summary = vec![
-            ("steps", counted(&self.steps)),
-            ("correct", counted(&self.correct)),
-            ("forced", counted(&self.forced)),
-            ("returns", Statistics::of(&self.returns)),
-            ("discounted_returns", Statistics::of(&self.discounted_returns)),
-        ];
-        if expectations_unbiased {
-            summary.push(("expected_discounted_returns", Statistics::of(&self.expected_discounted_returns)));
-        }
-        summary
-    }
-}
-
-/// Simulate a policy: `model` updates the belief, `truth` draws classes and labels.
+/// Simulate a policy: `model` updates the belief and gives the rewards, `truth` draws classes and labels.
 ///
 /// # Errors
 /// [`Error::Argument`] for arguments that do not fit; whatever the policy returns, and an error for an illegal action.
@@ -112,20 +56,11 @@ pub fn evaluate(
     config: &EvaluationConfig,
 ) -> Result<Evaluation> {
     check(model, truth, config)?;
-    let outcomes: Result<Vec<Outcome>> = (0..config.batches)
+    let outcomes: Result<Vec<_>> = (0..config.batches)
         .into_par_iter()
         .map(|batch| Batch::new(model, truth, config, batch).run(policy))
         .collect();
-    let mut evaluation = Evaluation::default();
-    for outcome in outcomes? {
-        evaluation.steps.push(outcome.steps);
-        evaluation.correct.push(outcome.correct);
-        evaluation.forced.push(outcome.forced);
-        evaluation.returns.push(outcome.total);
-        evaluation.discounted_returns.push(outcome.discounted);
-        evaluation.expected_discounted_returns.push(outcome.expected_discounted);
-    }
-    Ok(evaluation)
+    Ok(Evaluation::of(outcomes?))
 }
 
 fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) -> Result<()> {
@@ -164,153 +99,5 @@ fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) 
     }
 }
 
-#[derive(Default)]
-struct Outcome {
-    steps: u64,
-    correct: u64,
-    forced: u64,
-    total: f64,
-    discounted: f64,
-    expected_discounted: f64,
-}
-
-/// An object on the belt.
-struct Object {
-    class: usize,
-    rng: ChaCha8Rng,
-    looks: usize,
-    impossible: usize,
-}
-
-struct Batch<'a> {
-    model: &'a SortingModel,
-    truth: &'a SortingModel,
-    config: &'a EvaluationConfig,
-    /// Visible objects, the one at the belt end first.
-    objects: Vec<Object>,
-    index: usize,
-    arrived: usize,
-    belief: Belief,
-    viewpoint: usize,
-    discount: f64,
-    outcome: Outcome,
-}
-
-impl<'a> Batch<'a> {
-    fn new(
-        model: &'a SortingModel,
-        truth: &'a SortingModel,
-        config: &'a EvaluationConfig,
-        batch: usize,
-    ) -> Self {
-        let mut this = Self {
-            model,
-            truth,
-            config,
-            objects: Vec::new(),
-            index: batch,
-            arrived: 0,
-            belief: Belief::new(model),
-            viewpoint: config.viewpoint,
-            discount: 1.0,
-            outcome: Outcome::default(),
-        };
-        for _ in 0..model.position_count() {
-            this.arrive();
-        }
-        this
-    }
-
-    fn run(mut self, policy: &dyn Policy) -> Result<Outcome> {
-        for _ in 0..self.config.batch_size {
-            loop {
-                let action = self.choose(policy)?;
-                match action {
-                    Action::Move(to) => self.look_from(to)?,
-                    Action::Decide(label) => {
-                        self.decide(label);
-                        break;
-                    }
-                }
-            }
-        }
-        Ok(self.outcome)
-    }
-
-    /// The policy's action, or the forced decision.
-    fn choose(&mut self, policy: &dyn Policy) -> Result<Action> {
-        let object = &self.objects[0];
-        if object.looks >= self.config.max_looks || object.impossible >= IMPOSSIBLE_IN_A_ROW {
-            self.outcome.forced += 1;
-            return Ok(Action::Decide(self.belief.most_likely(0).0));
-        }
-        let action = policy.act(&self.belief, self.viewpoint)?;
-        let legal = match action {
-            Action::Move(to) => self.model.legal_moves(self.viewpoint).contains(&to),
-            Action::Decide(label) => label < self.model.class_count(),
-        };
-        if legal {
-            return Ok(action);
-        }
-        Err(Error::Policy(format!(
-            "the policy chose {action:?} at viewpoint {}; legal are moves to {:?} and decisions below {}",
-            self.viewpoint,
-            self.model.legal_moves(self.viewpoint),
-            self.model.class_count()
-        )))
-    }
-
-    fn look_from(&mut self, viewpoint: usize) -> Result<()> {
-        self.reward(-self.model.motion_cost(self.viewpoint, viewpoint), None);
-        self.viewpoint = viewpoint;
-        for position in 0..self.objects.len() {
-            let object = &mut self.objects[position];
-            object.looks += 1;
-            let seen = label(self.truth, position, viewpoint, object.class, object.rng.random::<f64>());
-            let mut labels = vec![None; self.model.position_count()];
-            labels[position] = Some(seen);
-            match self.belief.observe(self.model, viewpoint, &labels) {
-                Ok(()) => object.impossible = 0,
-                Err(Error::ImpossibleObservation { .. }) => object.impossible += 1,
-                Err(other) => return Err(other),
-            }
-        }
-        Ok(())
-    }
-
-    fn decide(&mut self, label: usize) {
-        let right = self.objects[0].class == label;
-        self.outcome.correct += u64::from(right);
-        let expected = self.model.decision_reward(self.belief.position(0)[label]);
-        self.reward(self.model.decision_reward(f64::from(u8::from(right))), Some(expected));
-        self.objects.remove(0);
-        self.arrive();
-        self.belief.advance(self.model);
-    }
-
-    /// Book one step's reward, and its expectation where that differs.
-    fn reward(&mut self, reward: f64, expected: Option<f64>) {
-        self.outcome.steps += 1;
-        self.outcome.total += reward;
-        self.outcome.discounted += self.discount * reward;
-        self.outcome.expected_discounted += self.discount * expected.unwrap_or(reward);
-        self.discount *= self.model.discount();
-    }
-
-    fn arrive(&mut self) {
-        let mut rng =
-            stream(self.config.seed, Purpose::Object, (self.index as u64) << 31 | self.arrived as u64);
-        let u = rng.random::<f64>();
-        let class = match &self.config.true_classes {
-            TrueClasses::Arrival => invert(self.truth.arrival().iter(), u),
-            TrueClasses::UniformlyFrom(labels) => {
-                let even = vec![1.0 / labels.len() as f64; labels.len()];
-                labels[invert(&even, u)]
-            }
-            // Behind the last given object nothing is ever decided; any class will do.
-            TrueClasses::Given(rows) => rows[self.index].get(self.arrived).copied().unwrap_or(0),
-        };
-        self.arrived += 1;
-        self.objects.push(Object { class, rng, looks: 0, impossible: 0 });
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::belief::Belief;
-use crate::model::{ModelSpec, SortingModel};
+use crate::model::{ModelSpec, ScalarOrMatrix, SortingModel};
 
 /// Property tests draw the same cases on every machine.
 pub(crate) fn seeded(cases: u32) -> ProptestConfig {
@@ -45,6 +45,20 @@ pub(crate) fn small_models() -> impl Strategy<Value = ModelSpec> {
     })
 }
 
+/// The same with everything that goes beyond the paper's model: repeated labels from some viewpoints, a scan after
+/// each decision in half of them, and a bonus for information.
+pub(crate) fn models_in_full() -> impl Strategy<Value = ModelSpec> {
+    let repeats = prop::collection::vec(prop_oneof![Just(0.0), 0.05..0.95_f64], 4);
+    (small_models(), repeats, any::<bool>(), 0.1..2.0_f64).prop_map(|(mut spec, repeats, observe, alpha)| {
+        let rows = repeats.chunks(2).take(spec.p_obs.len());
+        spec.repeat =
+            Some(ScalarOrMatrix::Matrix(rows.map(|row| row[..spec.viewpoints.len()].to_vec()).collect()));
+        spec.observe_after_decision = observe;
+        spec.information_gain = alpha;
+        spec
+    })
+}
+
 /// Small random models that a few steps nearly decide, some with restricted travel.
 pub(crate) fn enumerable_models() -> impl Strategy<Value = SortingModel> {
     (small_models(), any::<bool>()).prop_map(|(mut spec, restricted)| {
@@ -72,28 +86,41 @@ pub(crate) fn enumerated_value(
     depth: usize,
 ) -> (f64, f64) {
     if depth == 0 {
-        let step = model.spec().r_max.max(model.spec().r_min) + 1.0;
-        return (-step / (1.0 - model.discount()), model.spec().r_max / (1.0 - model.discount()));
+        let spec = model.spec();
+        let bonus = spec.information_gain * model.position_count() as f64 * (model.class_count() as f64).ln();
+        let worst = -spec.r_max.max(spec.r_min) - 1.0;
+        return (worst / (1.0 - model.discount()), (spec.r_max + bonus) / (1.0 - model.discount()));
     }
-    let discounted = |(low, high): (f64, f64)| (model.discount() * low, model.discount() * high);
-    let mut after = belief.clone();
-    after.advance(model);
-    let next = discounted(enumerated_value(model, &after, viewpoint, depth - 1));
+    let after = |reward: f64, (low, high): (f64, f64)| {
+        (reward + model.discount() * low, reward + model.discount() * high)
+    };
+    let mut advanced = belief.clone();
+    advanced.advance(model);
     let reward = model.decision_reward(belief.most_likely(0).1);
-    let mut best = (reward + next.0, reward + next.1);
+    let mut best = if model.observes_after_decision() {
+        let reward = reward + advanced.bonus(model, viewpoint);
+        after(reward, value_of_scan(model, &advanced, viewpoint, depth - 1))
+    } else {
+        after(reward, enumerated_value(model, &advanced, viewpoint, depth - 1))
+    };
     for &to in model.legal_moves(viewpoint) {
-        let mut value = (-model.motion_cost(viewpoint, to), -model.motion_cost(viewpoint, to));
-        for labels in all_labels(model) {
-            let mut posterior = belief.clone();
-            let p = probability(model, belief, to, &labels);
-            let seen: Vec<_> = labels.iter().map(|z| Some(*z)).collect();
-            posterior.observe(model, to, &seen).unwrap();
-            let next = discounted(enumerated_value(model, &posterior, to, depth - 1));
-            value = (value.0 + p * next.0, value.1 + p * next.1);
-        }
+        let reward = belief.bonus(model, to) - model.motion_cost(viewpoint, to);
+        let value = after(reward, value_of_scan(model, belief, to, depth - 1));
         best = (best.0.max(value.0), best.1.max(value.1));
     }
     best
+}
+
+/// Expectation of [`enumerated_value`] over the labels of a scan.
+fn value_of_scan(model: &SortingModel, belief: &Belief, viewpoint: usize, depth: usize) -> (f64, f64) {
+    all_labels(model).iter().fold((0.0, 0.0), |value, labels| {
+        let p = probability(model, belief, viewpoint, labels);
+        let mut posterior = belief.clone();
+        let seen: Vec<_> = labels.iter().map(|z| Some(*z)).collect();
+        posterior.observe(model, viewpoint, &seen).unwrap();
+        let next = enumerated_value(model, &posterior, viewpoint, depth);
+        (value.0 + p * next.0, value.1 + p * next.1)
+    })
 }
 
 /// Every label vector of a scan, for one or two positions.
@@ -105,7 +132,8 @@ pub(crate) fn all_labels(model: &SortingModel) -> Vec<Vec<usize>> {
     }
 }
 
-fn probability(model: &SortingModel, belief: &Belief, viewpoint: usize, labels: &[usize]) -> f64 {
+/// Probability of a label vector.
+pub(crate) fn probability(model: &SortingModel, belief: &Belief, viewpoint: usize, labels: &[usize]) -> f64 {
     let predicted = belief.label_probabilities(model, viewpoint).unwrap();
     labels.iter().enumerate().map(|(j, z)| predicted[(*z, j)]).product()
 }

@@ -7,14 +7,15 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
 
-use crate::convert::{Whole, index, rows};
+use crate::convert::{Whole, index, labels_or_none, rows};
 use crate::errors::{ArgumentError, to_python};
 use crate::model::PySortingModel;
 
 /// The factored belief: one distribution over the L classes per belt position, H of them.
 ///
 /// Objects are independent and each label depends on its own object only, so the product of these
-/// distributions is the exact posterior. A belief changes in place; `copy` it to keep one.
+/// distributions is the exact posterior. Where the model's `repeat` is above 0, the last label of each
+/// position from each viewpoint belongs to the belief. It changes in place; `copy` it to keep one.
 ///
 /// Parameters
 /// ----------
@@ -23,11 +24,15 @@ use crate::model::PySortingModel;
 /// probabilities : array_like, shape (H, L), optional
 ///     One distribution per position, the belt end first; rows may miss 1 by 1e-6 and are normalised. The
 ///     arrival prior at every position if missing. A probability of 0 is for ever: no label can raise it.
+/// last_labels : array_like of int, shape (H, K), optional
+///     Last labels since the belt moved, -1 for none, which is what is taken if missing. With both arguments
+///     a belief is rebuilt from its record. Labels that the model cannot repeat are forgotten.
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     If `probabilities` has another shape or a row is no distribution.
+///     If `probabilities` or `last_labels` has another shape, a row is no distribution, or the model has no
+///     such label.
 ///
 /// References
 /// ----------
@@ -43,8 +48,8 @@ use crate::model::PySortingModel;
 /// Belief([[0.200, 0.800]])
 /// >>> belief.most_likely(0)
 /// (1, 0.8)
-#[pyclass(name = "Belief", module = "beltsort", from_py_object)]
-#[derive(Clone)]
+#[pyclass(eq, name = "Belief", module = "beltsort", from_py_object)]
+#[derive(Clone, PartialEq)]
 pub struct PyBelief {
     pub belief: Belief,
     pub model: Arc<SortingModel>,
@@ -60,20 +65,34 @@ impl PyBelief {
             "the belief is of another model than the policy; make it with Belief(policy.model)",
         ))
     }
+
+    /// The label that a position last gave from a viewpoint; -1 for none, as numpy has no None among integers.
+    fn last_label(&self, position: usize, viewpoint: usize) -> i64 {
+        let label = self.belief.last_label(&self.model, position, viewpoint);
+        label.and_then(|label| i64::try_from(label).ok()).unwrap_or(-1)
+    }
 }
 
 #[pymethods]
 impl PyBelief {
     #[new]
-    #[pyo3(signature = (model, probabilities=None))]
-    fn new(model: &PySortingModel, probabilities: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let belief = match probabilities {
+    #[pyo3(signature = (model, probabilities=None, last_labels=None))]
+    fn new(
+        model: &PySortingModel,
+        probabilities: Option<&Bound<'_, PyAny>>,
+        last_labels: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mut belief = match probabilities {
             None => Belief::new(&model.0),
             Some(value) => {
                 Belief::from_rows(&model.0, &rows("probabilities", value).map_err(ArgumentError::new_err)?)
                     .map_err(to_python)?
             }
         };
+        if let Some(value) = last_labels {
+            let rows = labels_or_none("last_labels", value).map_err(ArgumentError::new_err)?;
+            belief = belief.with_last_labels(&model.0, &rows).map_err(to_python)?;
+        }
         Ok(Self { belief, model: Arc::clone(&model.0) })
     }
 
@@ -89,6 +108,15 @@ impl PyBelief {
         Array2::from_shape_fn(self.belief.shape(), |(j, c)| self.belief.position(j)[c]).into_pyarray(py)
     }
 
+    /// Last label of each position from each viewpoint since the belt moved, int64 of shape (H, K); a copy.
+    ///
+    /// -1 where there is none, or where the model's `repeat` is 0.
+    #[getter]
+    fn last_labels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
+        let shape = (self.model.position_count(), self.model.viewpoint_count());
+        Array2::from_shape_fn(shape, |(j, v)| self.last_label(j, v)).into_pyarray(py)
+    }
+
     /// Probability of each label at each position if the camera scanned from a viewpoint.
     ///
     /// Parameters
@@ -99,7 +127,8 @@ impl PyBelief {
     /// Returns
     /// -------
     /// numpy.ndarray
-    ///     float64 of shape (H, L): `sum_c b[j, c] p_obs[j, viewpoint, c, z]` for position j and label z.
+    ///     float64 of shape (H, L): `sum_c b[j, c] P(z | j, viewpoint, c)` for position j and label z, where P
+    ///     is `p_obs`, mixed with the last label by the model's `repeat`.
     ///
     /// Raises
     /// ------
@@ -115,8 +144,8 @@ impl PyBelief {
         Ok(Array2::from_shape_fn(self.belief.shape(), |(j, z)| predicted[(z, j)]).into_pyarray(py))
     }
 
-    /// Bayes' rule for one scan: `b[j, c]` becomes proportional to `b[j, c] p_obs[j, viewpoint, c,
-    /// labels[j]]`.
+    /// Bayes' rule for one scan: `b[j, c]` becomes proportional to `b[j, c] P(labels[j] | j, viewpoint, c)`,
+    /// where P is `p_obs`, mixed with the last label by the model's `repeat`.
     ///
     /// Parameters
     /// ----------
@@ -144,7 +173,7 @@ impl PyBelief {
     }
 
     /// The belt advances: each position takes over the distribution behind it, the last one the arrival
-    /// prior.
+    /// prior. Last labels are forgotten.
     ///
     /// References
     /// ----------
@@ -183,7 +212,7 @@ impl PyBelief {
         Ok(self.belief.most_likely(position))
     }
 
-    /// An independent belief of the same model and probabilities.
+    /// An independent belief, equal to this one.
     fn copy(&self) -> Self {
         self.clone()
     }
@@ -196,6 +225,13 @@ impl PyBelief {
                 format!("[{}]", row.join(", "))
             })
             .collect();
-        format!("Belief([{}])", rows.join(", "))
+        let memory = if self.model.ever_repeats() {
+            let viewpoints = 0..self.model.viewpoint_count();
+            let row = |j| viewpoints.clone().map(|v| self.last_label(j, v)).collect::<Vec<_>>();
+            format!(", last_labels={:?}", (0..positions).map(row).collect::<Vec<_>>())
+        } else {
+            String::new()
+        };
+        format!("Belief([{}]{memory})", rows.join(", "))
     }
 }

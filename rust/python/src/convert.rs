@@ -82,6 +82,20 @@ pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<Vec<f64>>, Strin
     Ok(view.rows().into_iter().map(|row| row.iter().copied().collect()).collect())
 }
 
+/// Rows of labels, -1 for none, or what is wrong with them.
+pub fn labels_or_none(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<Vec<Option<usize>>>, String> {
+    let label = |entry: f64| match entry {
+        -1.0 => Ok(None),
+        _ => self::label(name, entry).map(Some),
+    };
+    rows(name, value)?.into_iter().map(|row| row.into_iter().map(label).collect()).collect()
+}
+
+/// A label that numpy turned into a float on its way, or what is wrong with it.
+pub fn label(name: &str, value: f64) -> Result<usize, String> {
+    usize::try_from(whole(name, value)?).map_err(|_| format!("{name} holds {value}, which is out of range"))
+}
+
 /// A number that numpy turned into a float on its way, or what is wrong with it.
 pub fn whole(name: &str, value: f64) -> Result<u64, String> {
     if value.fract() == 0.0 && (0.0..=LARGEST_WHOLE).contains(&value) {

@@ -27,7 +27,8 @@ use crate::user_policy::UserPolicy;
 /// Parameters
 /// ----------
 /// model : SortingModel
-///     Updates the belief and gives the rewards.
+///     Updates the belief, gives the rewards, and says whether a scan follows each decision. Such a scan counts
+///     for `max_looks`, but is no step.
 /// policy : Policy
 ///     `Despot`, `Threshold`, `InformationGain`, or any object with a method ``act(belief, viewpoint)`` that
 ///     returns a `Move` or a `Decide`. Such an object is asked from one thread, and its exceptions pass
@@ -46,7 +47,8 @@ use crate::user_policy::UserPolicy;
 ///     A list of labels to draw from uniformly, or the labels themselves, shape (batches, batch_size + H -
 ///     1). The arrival prior of `truth` if missing.
 /// truth : SortingModel, optional
-///     Draws classes and labels; `model` if missing. Its H, K and L must be those of `model`.
+///     Draws classes and labels, repeated ones by its own `repeat`; `model` if missing. Its H, K and L must be
+///     those of `model`.
 /// max_looks : int
 ///     An object looked at this often is decided as its most likely class. Too large, and a policy that never
 ///     decides never ends.
@@ -122,7 +124,8 @@ pub fn evaluate(
         // A user's policy may keep state: its batches run one after the other.
         run(&user, Some(&thread_pool(1)?))?.map_err(|error| user.raised().unwrap_or_else(|| to_python(error)))
     }?;
-    Ok(PyEvaluation { evaluation, drawn_from_model })
+    let with_bonuses = model.0.spec().information_gain > 0.0;
+    Ok(PyEvaluation { evaluation, drawn_from_model, with_bonuses })
 }
 
 /// A list of labels to draw from, or an array with a row per batch.
@@ -132,7 +135,8 @@ fn classes(value: &Bound<'_, PyAny>) -> PyResult<TrueClasses> {
         return Ok(TrueClasses::UniformlyFrom(labels.iter().map(to_index).collect::<PyResult<_>>()?));
     }
     let rows = convert::rows("true_classes", value).and_then(|rows| {
-        let to_labels = |row: Vec<f64>| row.into_iter().map(to_label).collect();
+        let to_labels =
+            |row: Vec<f64>| row.into_iter().map(|entry| convert::label("true_classes", entry)).collect();
         rows.into_iter().map(to_labels).collect()
     });
     rows.map(TrueClasses::Given).map_err(|reason| {
@@ -141,9 +145,4 @@ fn classes(value: &Bound<'_, PyAny>) -> PyResult<TrueClasses> {
              (batches, batch_size + H - 1)"
         ))
     })
-}
-
-fn to_label(value: f64) -> Result<usize, String> {
-    let label = convert::whole("true_classes", value)?;
-    usize::try_from(label).map_err(|_| format!("true_classes holds {value}, which is out of range"))
 }

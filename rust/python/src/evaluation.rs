@@ -15,6 +15,7 @@ use crate::errors::ArgumentError;
 pub struct PyEvaluation {
     pub evaluation: Evaluation,
     pub drawn_from_model: bool,
+    pub with_bonuses: bool,
 }
 
 #[pymethods]
@@ -68,16 +69,30 @@ impl PyEvaluation {
         Ok(self.evaluation.expected_discounted_returns.clone().into_pyarray(py))
     }
 
+    /// Sum of the bonuses for information, `information_gain` times the expected entropy reduction of each scan;
+    /// float64. No other property contains them.
+    #[getter]
+    fn bonuses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.evaluation.bonuses.clone().into_pyarray(py)
+    }
+
+    /// Sum of discounted bonuses; float64.
+    #[getter]
+    fn discounted_bonuses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.evaluation.discounted_bonuses.clone().into_pyarray(py)
+    }
+
     /// Mean and standard error over the batches of every outcome.
     ///
     /// Returns
     /// -------
     /// dict
     ///     For each property above, a dict with the keys ``mean`` and ``standard_error`` (NaN for a single
-    ///     batch). `expected_discounted_returns` is left out where it would be biased.
+    ///     batch). `expected_discounted_returns` is left out where it would be biased, bonuses where the
+    ///     model's `information_gain` is 0.
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let summary = PyDict::new(py);
-        for (name, statistics) in self.evaluation.summary(self.drawn_from_model) {
+        for (name, statistics) in self.evaluation.summary(self.drawn_from_model, self.with_bonuses) {
             let entry = PyDict::new(py);
             entry.set_item("mean", statistics.mean)?;
             entry.set_item("standard_error", statistics.standard_error)?;

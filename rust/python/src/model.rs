@@ -41,9 +41,18 @@ use crate::errors::to_python;
 ///     ``travel[k]`` lists the viewpoints that one move from k reaches, k itself included if it may scan
 ///     again from there; all if missing. An empty list leaves only decisions.
 /// observe_after_decision : bool
-///     Must be False: nothing is observed after a decision.
-/// repeat : float
-///     Must be 0 or missing: labels are independent given the class.
+///     Whether a scan of all positions, from where the camera stands, follows each decision within the same
+///     step; in the paper nothing is observed then.
+/// repeat : float or array_like, shape (H, K)
+///     Probability, at least 0 and below 1, that a second look from the same viewpoint at the same object in
+///     the same position only repeats the last label: ``P(z' | z, v, c) = repeat [z' = z] + (1 - repeat)
+///     p_obs[j, v, c, z']``. 0 if missing: labels are independent given the class. Too small, and repeated
+///     looks make the belief overconfident.
+/// information_gain : float
+///     `alpha`, reward per nat of entropy that a scan is expected to take from the belief, summed over the
+///     positions. 0 for the paper's rewards. Too large, and looking on is worth more than deciding.
+/// empty : str, optional
+///     The one of `classes` that stands for an empty cup: deciding it passes over the place.
 /// counts : array_like of int, shape (H, K, L, L)
 ///     The label counts behind `p_obs`, for the record.
 /// smoothing : float
@@ -83,8 +92,8 @@ impl PySortingModel {
 impl PySortingModel {
     #[new]
     #[pyo3(signature = (classes, viewpoints, p_obs, *, r_max=10.0, r_min=50.0, motion_cost=None, discount=0.95,
-                        arrival=None, travel=None, observe_after_decision=false, repeat=None, counts=None,
-                        smoothing=None, note=""))]
+                        arrival=None, travel=None, observe_after_decision=false, repeat=None,
+                        information_gain=0.0, empty=None, counts=None, smoothing=None, note=""))]
     #[allow(clippy::too_many_arguments)] // the keys of a model file
     fn new(
         classes: Vec<String>,
@@ -98,6 +107,8 @@ impl PySortingModel {
         travel: Option<Vec<Vec<Whole>>>,
         observe_after_decision: bool,
         repeat: Option<&Bound<'_, PyAny>>,
+        information_gain: f64,
+        empty: Option<String>,
         counts: Option<&Bound<'_, PyAny>>,
         smoothing: Option<f64>,
         note: &str,
@@ -113,6 +124,8 @@ impl PySortingModel {
         spec.travel = travel.map(convert::travel).transpose()?;
         spec.observe_after_decision = observe_after_decision;
         spec.repeat = repeat.map(|value| scalar_or_matrix("repeat", value)).transpose()?;
+        spec.information_gain = information_gain;
+        spec.empty = empty;
         spec.counts = counts.map(convert::counts).transpose()?;
         spec.smoothing = smoothing;
         spec.note = note.into();
@@ -258,6 +271,31 @@ impl PySortingModel {
     #[getter]
     fn travel(&self) -> Vec<Vec<usize>> {
         (0..self.0.viewpoint_count()).map(|from| self.0.legal_moves(from).to_vec()).collect()
+    }
+
+    /// Whether a scan follows each decision.
+    #[getter]
+    fn observe_after_decision(&self) -> bool {
+        self.0.observes_after_decision()
+    }
+
+    /// Probability that a second look only repeats the last label, float64 of shape (H, K).
+    #[getter]
+    fn repeat<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let shape = (self.0.position_count(), self.0.viewpoint_count());
+        Array2::from_shape_fn(shape, |(j, v)| self.0.repeat(j, v)).into_pyarray(py)
+    }
+
+    /// `alpha`, reward per nat of entropy that a scan is expected to remove.
+    #[getter]
+    fn information_gain(&self) -> f64 {
+        self.0.spec().information_gain
+    }
+
+    /// The class that stands for an empty cup, or None.
+    #[getter]
+    fn empty(&self) -> Option<&str> {
+        self.0.spec().empty.as_deref()
     }
 
     /// The same model with the first belt positions only.

@@ -1,11 +1,16 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::testing::{paper, seeded, small_models};
+use crate::model::{ModelSpec, ScalarOrMatrix};
+use crate::testing::{
+    all_labels, belief_of, from_weights, models_in_full, paper, probability, seeded, small_models,
+};
 
-/// The joint distribution over the classes of all positions: the belief without the factoring.
+/// The joint distribution over the classes of all positions, and every scan since the belt last moved: the belief
+/// without the factoring and without the summary of what was seen.
 struct Joint {
     probabilities: Vec<f64>,
+    scans: Vec<(usize, Vec<Option<usize>>)>,
 }
 
 impl Joint {
@@ -25,17 +30,38 @@ impl Joint {
 
     fn new(model: &SortingModel) -> Self {
         let prior = |i| Self::classes(model, i).iter().map(|c| model.arrival()[*c]).product();
-        Self { probabilities: (0..Self::size(model)).map(prior).collect() }
+        Self { probabilities: (0..Self::size(model)).map(prior).collect(), scans: Vec::new() }
+    }
+
+    /// `P(z' | z, v, c)` from the scans, by the definition of `repeat`.
+    fn likelihood(
+        &self,
+        model: &SortingModel,
+        position: usize,
+        viewpoint: usize,
+        class: usize,
+        z: usize,
+    ) -> f64 {
+        let fresh = model.table(position, viewpoint)[(class, z)];
+        let earlier = self.scans.iter().filter(|(v, _)| *v == viewpoint);
+        match earlier.filter_map(|(_, labels)| labels[position]).next_back() {
+            None => fresh,
+            Some(last) => {
+                let repeat = model.repeat(position, viewpoint);
+                repeat * f64::from(u8::from(last == z)) + (1.0 - repeat) * fresh
+            }
+        }
     }
 
     fn observe(&mut self, model: &SortingModel, viewpoint: usize, labels: &[Option<usize>]) {
-        for (i, p) in self.probabilities.iter_mut().enumerate() {
+        for i in 0..self.probabilities.len() {
             for (j, class) in Self::classes(model, i).into_iter().enumerate() {
                 if let Some(z) = labels[j] {
-                    *p *= model.table(j, viewpoint)[(class, z)];
+                    self.probabilities[i] *= self.likelihood(model, j, viewpoint, class, z);
                 }
             }
         }
+        self.scans.push((viewpoint, labels.to_vec()));
         let sum: f64 = self.probabilities.iter().sum();
         self.probabilities.iter_mut().for_each(|p| *p /= sum);
     }
@@ -50,6 +76,7 @@ impl Joint {
             }
         }
         self.probabilities = next;
+        self.scans.clear();
     }
 
     fn marginal(&self, model: &SortingModel, position: usize, class: usize) -> f64 {
@@ -58,31 +85,53 @@ impl Joint {
     }
 }
 
+/// Something that happens to a belief.
+#[derive(Debug, Clone)]
+enum Event {
+    Advance,
+    Scan(usize, Vec<Option<usize>>),
+}
+
+/// Any history of two positions, viewpoints and at least two classes; a third of the labels is missing.
+fn histories() -> impl Strategy<Value = Vec<Event>> {
+    let label = || prop::option::weighted(0.7, 0..2_usize);
+    let scan = (0..2_usize, label(), label()).prop_map(|(v, a, b)| Event::Scan(v, vec![a, b]));
+    prop::collection::vec(prop_oneof![1 => Just(Event::Advance), 3 => scan], 1..10)
+}
+
+/// The belief after one more event, cut to what the model has.
+fn happen(belief: &mut Belief, model: &SortingModel, event: &Event) {
+    match event {
+        Event::Advance => belief.advance(model),
+        Event::Scan(viewpoint, labels) => belief
+            .observe(model, viewpoint % model.viewpoint_count(), &labels[..model.position_count()])
+            .unwrap(),
+    }
+}
+
+fn entropy(belief: &Belief) -> f64 {
+    -belief.as_slice().iter().filter(|b| **b > 0.0).map(|b| b * b.ln()).sum::<f64>()
+}
+
 proptest! {
     #![proptest_config(seeded(256))]
 
     #[test]
-    fn factored_belief_is_the_joint_one(
-        spec in small_models(),
+    fn factored_belief_is_the_joint_one_given_all_labels(
+        spec in models_in_full(),
         arrival in prop::collection::vec(0.1..1.0_f64, 3),
-        events in prop::collection::vec((0..3_usize, 0..2_usize, 0..4_usize, 0..4_usize), 1..8),
+        events in histories(),
     ) {
         let mut spec = spec;
         let prior = &arrival[..spec.classes.len()];
         spec.arrival = Some(prior.iter().map(|p| p / prior.iter().sum::<f64>()).collect());
         let model = SortingModel::new(spec).unwrap();
         let (mut factored, mut joint) = (Belief::new(&model), Joint::new(&model));
-        for (kind, viewpoint, a, b) in events {
-            if kind == 0 {
-                factored.advance(&model);
-                joint.advance(&model);
-            } else {
-                let viewpoint = viewpoint % model.viewpoint_count();
-                // The label beyond the last class stands for "nothing seen".
-                let seen = |z: usize| Some(z % (model.class_count() + 1)).filter(|z| *z < model.class_count());
-                let labels = &[seen(a), seen(b)][..model.position_count()];
-                factored.observe(&model, viewpoint, labels).unwrap();
-                joint.observe(&model, viewpoint, labels);
+        for event in &events {
+            happen(&mut factored, &model, event);
+            match event {
+                Event::Advance => joint.advance(&model),
+                Event::Scan(v, labels) => joint.observe(&model, v % model.viewpoint_count(), labels),
             }
             for j in 0..model.position_count() {
                 prop_assert!((factored.position(j).sum() - 1.0).abs() < 1e-12);
@@ -92,6 +141,71 @@ proptest! {
             }
         }
     }
+
+    #[test]
+    fn no_repeats_are_the_papers_model(spec in small_models(), events in histories()) {
+        let plain = SortingModel::new(spec.clone()).unwrap();
+        let never = SortingModel::new(ModelSpec { repeat: Some(ScalarOrMatrix::Scalar(0.0)), ..spec }).unwrap();
+        let (mut a, mut b) = (Belief::new(&plain), Belief::new(&never));
+        for event in &events {
+            happen(&mut a, &plain, event);
+            happen(&mut b, &never, event);
+            prop_assert_eq!(&a, &b);
+        }
+    }
+
+    #[test]
+    fn information_is_the_expected_drop_of_entropy(
+        spec in models_in_full(),
+        weights in prop::collection::vec(0.01..1.0_f64, 6),
+        events in histories(),
+    ) {
+        let model = SortingModel::new(spec).unwrap();
+        let mut belief = belief_of(&model, &weights);
+        for event in &events {
+            happen(&mut belief, &model, event);
+        }
+        for viewpoint in 0..model.viewpoint_count() {
+            let mut left = 0.0;
+            for labels in all_labels(&model) {
+                let mut posterior = belief.clone();
+                let seen: Vec<_> = labels.iter().map(|z| Some(*z)).collect();
+                posterior.observe(&model, viewpoint, &seen).unwrap();
+                left += probability(&model, &belief, viewpoint, &labels) * entropy(&posterior);
+            }
+            let bonus = model.spec().information_gain * (entropy(&belief) - left);
+            prop_assert!((belief.bonus(&model, viewpoint) - bonus).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn last_labels_rebuild_a_belief(spec in models_in_full(), events in histories()) {
+        let model = SortingModel::new(spec).unwrap();
+        let (h, k) = (model.position_count(), model.viewpoint_count());
+        let mut belief = Belief::new(&model);
+        for event in &events {
+            happen(&mut belief, &model, event);
+        }
+        let last = |j| (0..k).map(|v| belief.last_label(&model, j, v)).collect();
+        let rows: Vec<_> = (0..h).map(last).collect();
+        let mut other = belief.clone().with_last_labels(&model, &rows).unwrap();
+        prop_assert_eq!(&other, &belief);
+        other.advance(&model);
+        prop_assert!((0..h * k).all(|i| other.last_label(&model, i / k, i % k).is_none()));
+    }
+}
+
+#[test]
+fn a_repeated_label_tells_less_by_hand() {
+    let mut spec = from_weights(1, 1, 2, &[0.8, 0.2, 0.2, 0.8]);
+    spec.repeat = Some(ScalarOrMatrix::Scalar(0.5));
+    let model = SortingModel::new(spec).unwrap();
+    let mut belief = Belief::new(&model);
+    belief.observe(&model, 0, &[Some(1)]).unwrap();
+    assert!((belief.position(0)[1] - 0.8).abs() < 1e-15);
+    // 0.8 (0.5 + 0.5 * 0.8) against 0.2 (0.5 + 0.5 * 0.2).
+    belief.observe(&model, 0, &[Some(1)]).unwrap();
+    assert!((belief.position(0)[1] - 0.72 / 0.84).abs() < 1e-15);
 }
 
 #[test]

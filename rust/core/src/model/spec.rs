@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, model_error};
@@ -14,6 +15,16 @@ pub enum ScalarOrMatrix {
     Scalar(f64),
     /// One row per first index.
     Matrix(Vec<Vec<f64>>),
+}
+
+impl ScalarOrMatrix {
+    /// One number per entry of a matrix whose shape was checked.
+    pub(super) fn expand(&self, rows: usize, columns: usize) -> DMatrix<f64> {
+        match self {
+            Self::Scalar(number) => DMatrix::from_element(rows, columns, *number),
+            Self::Matrix(matrix) => DMatrix::from_fn(rows, columns, |i, j| matrix[i][j]),
+        }
+    }
 }
 
 /// Observation tables `p_obs[position][viewpoint][true class][observed class]`.
@@ -51,9 +62,16 @@ pub struct ModelSpec {
     /// Whether a scan follows a decision too.
     #[serde(default)]
     pub observe_after_decision: bool,
-    /// Probability that a repeated look repeats its label: a number, or (H, K).
+    /// Probability that a second look from the same viewpoint at the same object in the same position only repeats
+    /// its label: a number, or (H, K).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeat: Option<ScalarOrMatrix>,
+    /// `alpha`: reward per nat of entropy that a scan is expected to remove.
+    #[serde(default)]
+    pub information_gain: f64,
+    /// The class that stands for an empty cup.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub empty: Option<String>,
     /// Label counts behind `p_obs`, same shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts: Option<Tables<u64>>,
@@ -65,7 +83,7 @@ pub struct ModelSpec {
     pub note: String,
 }
 
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 16] = [
     "classes",
     "viewpoints",
     "p_obs",
@@ -77,6 +95,8 @@ const KEYS: [&str; 14] = [
     "travel",
     "observe_after_decision",
     "repeat",
+    "information_gain",
+    "empty",
     "counts",
     "smoothing",
     "note",
@@ -114,6 +134,8 @@ impl ModelSpec {
             travel: None,
             observe_after_decision: false,
             repeat: None,
+            information_gain: 0.0,
+            empty: None,
             counts: None,
             smoothing: None,
             note: String::new(),

@@ -25,7 +25,9 @@ pub(super) fn validate(spec: &ModelSpec) -> Result<()> {
     }
     travel(spec)?;
     counts(spec)?;
-    not_yet(spec)
+    repeat(spec)?;
+    information_gain(spec)?;
+    empty(spec)
 }
 
 /// Check that `row` is a probability distribution.
@@ -89,6 +91,20 @@ fn length(name: &str, found: usize, expected: usize, per: &str) -> Result<()> {
     model_error(format!("{name} has {found} entries, expected {expected}, one per {per}"))
 }
 
+/// The entries of a matrix of the expected shape.
+fn matrix(
+    name: &str,
+    rows: &[Vec<f64>],
+    (m, of_rows): (usize, &str),
+    (n, of_entries): (usize, &str),
+) -> Result<Vec<f64>> {
+    length(name, rows.len(), m, of_rows)?;
+    for (i, row) in rows.iter().enumerate() {
+        length(&format!("{name}[{i}]"), row.len(), n, of_entries)?;
+    }
+    Ok(rows.concat())
+}
+
 fn rewards(spec: &ModelSpec) -> Result<()> {
     for (name, value) in [("r_max", spec.r_max), ("r_min", spec.r_min)] {
         if !value.is_finite() || value <= 0.0 {
@@ -107,11 +123,7 @@ fn rewards(spec: &ModelSpec) -> Result<()> {
         ScalarOrMatrix::Scalar(cost) => vec![*cost],
         ScalarOrMatrix::Matrix(rows) => {
             let k = spec.viewpoints.len();
-            length("motion_cost", rows.len(), k, "viewpoint left")?;
-            for (i, row) in rows.iter().enumerate() {
-                length(&format!("motion_cost[{i}]"), row.len(), k, "viewpoint reached")?;
-            }
-            rows.concat()
+            matrix("motion_cost", rows, (k, "viewpoint left"), (k, "viewpoint reached"))?
         }
     };
     match costs.iter().find(|cost| !cost.is_finite() || **cost < 0.0) {
@@ -162,23 +174,39 @@ fn counts(spec: &ModelSpec) -> Result<()> {
     if same_shape { Ok(()) } else { model_error("counts and p_obs differ in shape; both are (H, K, L, L)") }
 }
 
-fn not_yet(spec: &ModelSpec) -> Result<()> {
-    if spec.observe_after_decision {
-        return model_error(
-            "observe_after_decision = true is not supported yet: the scan of the next object follows its first move. \
-             Set it to false",
-        );
-    }
+/// `repeat` lies in [0, 1): at 1 no second look would ever tell anything.
+fn repeat(spec: &ModelSpec) -> Result<()> {
+    let (h, k) = (spec.p_obs.len(), spec.viewpoints.len());
     let repeats = match &spec.repeat {
-        None => false,
-        Some(ScalarOrMatrix::Scalar(r)) => *r != 0.0,
-        Some(ScalarOrMatrix::Matrix(rows)) => rows.iter().flatten().any(|r| *r != 0.0),
+        None => return Ok(()),
+        Some(ScalarOrMatrix::Scalar(repeat)) => vec![*repeat],
+        Some(ScalarOrMatrix::Matrix(rows)) => matrix("repeat", rows, (h, "position"), (k, "viewpoint"))?,
     };
-    if repeats {
-        return model_error(
-            "repeat other than 0 is not supported yet: labels are taken as independent given the class. \
-             Leave repeat out",
-        );
+    match repeats.iter().find(|repeat| !(0.0..1.0).contains(*repeat)) {
+        Some(repeat) => model_error(format!(
+            "repeat holds {repeat}; it is the probability that a second look only repeats the label of the first: \
+             at least 0 and below 1"
+        )),
+        None => Ok(()),
     }
-    Ok(())
+}
+
+fn information_gain(spec: &ModelSpec) -> Result<()> {
+    let alpha = spec.information_gain;
+    if alpha.is_finite() && alpha >= 0.0 {
+        return Ok(());
+    }
+    model_error(format!(
+        "information_gain = {alpha}; it is a reward per nat, finite and not negative. Give 0 for the plain model"
+    ))
+}
+
+fn empty(spec: &ModelSpec) -> Result<()> {
+    match &spec.empty {
+        Some(name) if !spec.classes.contains(name) => model_error(format!(
+            "empty = {name:?} is no class; name the one that stands for an empty cup ({}), or leave it out",
+            spec.classes.join(", ")
+        )),
+        _ => Ok(()),
+    }
 }

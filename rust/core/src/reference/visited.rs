@@ -47,7 +47,8 @@ fn walked(model: &SortingModel, walk: u64, policy: impl Fn(&[f64]) -> Action) ->
                 belief.advance(model);
             }
             Action::Move(to) => {
-                let mut seen = |(j, class): (usize, &usize)| Some(label(model, j, to, *class, rng.random()));
+                let mut seen =
+                    |(j, class): (usize, &usize)| Some(label(model, j, to, None, *class, rng.random()));
                 let labels: Vec<_> = classes.iter().enumerate().map(&mut seen).collect();
                 if belief.observe(model, to, &labels).is_err() {
                     return beliefs;

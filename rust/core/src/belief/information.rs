@@ -1,0 +1,44 @@
+//! What a scan is expected to tell.
+
+use super::{Belief, evidence};
+use crate::model::SortingModel;
+
+/// Mutual information of class and label, in nats: `sum_cz b_c P(z|c) ln(P(z|c) / P(z))`.
+///
+/// That is the entropy of `distribution` less its expectation after the scan; `last` is the label that the position
+/// gave from this viewpoint before.
+pub(crate) fn information(
+    model: &SortingModel,
+    distribution: &[f64],
+    position: usize,
+    viewpoint: usize,
+    last: Option<usize>,
+) -> f64 {
+    let of_label = |label| {
+        let likelihoods = model.likelihoods(position, viewpoint, last, label);
+        let predicted = evidence(distribution, likelihoods.clone());
+        let joint = distribution.iter().zip(likelihoods).filter(|(b, p)| **b > 0.0 && *p > 0.0);
+        joint.map(|(b, p)| b * p * (p / predicted).ln()).sum::<f64>()
+    };
+    (0..model.class_count()).map(of_label).sum()
+}
+
+impl Belief {
+    /// Entropy, in nats, that a scan from `viewpoint` is expected to take from the belief about one position.
+    #[must_use]
+    pub fn information(&self, model: &SortingModel, position: usize, viewpoint: usize) -> f64 {
+        let last = self.memory.last(model, position, viewpoint);
+        information(model, self.position(position).as_slice(), position, viewpoint, last)
+    }
+
+    /// The bonus of a scan from `viewpoint`: `alpha` times the entropy that it is expected to take from all positions.
+    #[must_use]
+    pub fn bonus(&self, model: &SortingModel, viewpoint: usize) -> f64 {
+        let alpha = model.spec().information_gain;
+        if alpha > 0.0 {
+            return alpha
+                * (0..model.position_count()).map(|j| self.information(model, j, viewpoint)).sum::<f64>();
+        }
+        0.0
+    }
+}

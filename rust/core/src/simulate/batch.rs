@@ -1,0 +1,180 @@
+//! One batch of the sorting POMDP.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::evaluation::Outcome;
+use super::{EvaluationConfig, TrueClasses};
+use crate::belief::{Belief, Memory};
+use crate::error::{Error, Result};
+use crate::model::{Action, SortingModel};
+use crate::policy::Policy;
+use crate::sampling::{Purpose, invert, label, stream};
+
+/// This many impossible labels of one object in a row end the looking at it.
+const IMPOSSIBLE_IN_A_ROW: usize = 3;
+
+/// An object on the belt.
+struct Object {
+    class: usize,
+    rng: ChaCha8Rng,
+    looks: usize,
+    impossible: usize,
+}
+
+/// One batch in progress.
+pub(super) struct Batch<'a> {
+    model: &'a SortingModel,
+    truth: &'a SortingModel,
+    config: &'a EvaluationConfig,
+    /// Visible objects, the one at the belt end first.
+    objects: Vec<Object>,
+    index: usize,
+    arrived: usize,
+    belief: Belief,
+    /// The labels that the next looks may repeat, whether the model knows of it or not.
+    given: Memory,
+    viewpoint: usize,
+    discount: f64,
+    outcome: Outcome,
+}
+
+impl<'a> Batch<'a> {
+    pub(super) fn new(
+        model: &'a SortingModel,
+        truth: &'a SortingModel,
+        config: &'a EvaluationConfig,
+        batch: usize,
+    ) -> Self {
+        let mut this = Self {
+            model,
+            truth,
+            config,
+            objects: Vec::with_capacity(model.position_count()),
+            index: batch,
+            arrived: 0,
+            belief: Belief::new(model),
+            given: Memory::new(truth),
+            viewpoint: config.viewpoint,
+            discount: 1.0,
+            outcome: Outcome::default(),
+        };
+        for _ in 0..model.position_count() {
+            this.arrive();
+        }
+        this
+    }
+
+    /// Sort the batch.
+    pub(super) fn run(mut self, policy: &dyn Policy) -> Result<Outcome> {
+        for _ in 0..self.config.batch_size {
+            loop {
+                let action = self.choose(policy)?;
+                match action {
+                    Action::Move(to) => self.look_from(to)?,
+                    Action::Decide(label) => {
+                        self.decide(label)?;
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(self.outcome)
+    }
+
+    /// The policy's action, or the forced decision.
+    fn choose(&mut self, policy: &dyn Policy) -> Result<Action> {
+        let object = &self.objects[0];
+        if object.looks >= self.config.max_looks || object.impossible >= IMPOSSIBLE_IN_A_ROW {
+            self.outcome.forced += 1;
+            return Ok(Action::Decide(self.belief.most_likely(0).0));
+        }
+        let action = policy.act(&self.belief, self.viewpoint)?;
+        let legal = match action {
+            Action::Move(to) => self.model.legal_moves(self.viewpoint).contains(&to),
+            Action::Decide(label) => label < self.model.class_count(),
+        };
+        if legal {
+            return Ok(action);
+        }
+        Err(Error::Policy(format!(
+            "the policy chose {action:?} at viewpoint {}; legal are moves to {:?} and decisions below {}",
+            self.viewpoint,
+            self.model.legal_moves(self.viewpoint),
+            self.model.class_count()
+        )))
+    }
+
+    fn look_from(&mut self, viewpoint: usize) -> Result<()> {
+        let cost = self.model.motion_cost(self.viewpoint, viewpoint);
+        self.viewpoint = viewpoint;
+        self.book(-cost, -cost, self.belief.bonus(self.model, viewpoint));
+        self.scan()
+    }
+
+    fn decide(&mut self, label: usize) -> Result<()> {
+        let right = self.objects[0].class == label;
+        self.outcome.correct += u64::from(right);
+        let reward = self.model.decision_reward(f64::from(u8::from(right)));
+        let expected = self.model.decision_reward(self.belief.position(0)[label]);
+        self.advance();
+        if !self.model.observes_after_decision() {
+            self.book(reward, expected, 0.0);
+            return Ok(());
+        }
+        self.book(reward, expected, self.belief.bonus(self.model, self.viewpoint));
+        self.scan()
+    }
+
+    /// One label of every visible object, from where the camera stands.
+    fn scan(&mut self) -> Result<()> {
+        for (position, object) in self.objects.iter_mut().enumerate() {
+            object.looks += 1;
+            let last = self.given.last(self.truth, position, self.viewpoint);
+            let u = object.rng.random::<f64>();
+            let seen = label(self.truth, position, self.viewpoint, last, object.class, u);
+            self.given.remember(self.truth, position, self.viewpoint, seen);
+            match self.belief.observe_one(self.model, position, self.viewpoint, seen) {
+                Ok(()) => object.impossible = 0,
+                Err(Error::ImpossibleObservation { .. }) => object.impossible += 1,
+                Err(other) => return Err(other),
+            }
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self) {
+        self.objects.remove(0);
+        self.arrive();
+        self.belief.advance(self.model);
+        self.given.clear();
+    }
+
+    /// Book one step: its reward, what was expected of it, and its bonus.
+    fn book(&mut self, reward: f64, expected: f64, bonus: f64) {
+        self.outcome.steps += 1;
+        self.outcome.total += reward;
+        self.outcome.discounted += self.discount * reward;
+        self.outcome.expected_discounted += self.discount * expected;
+        self.outcome.bonus += bonus;
+        self.outcome.discounted_bonus += self.discount * bonus;
+        self.discount *= self.model.discount();
+    }
+
+    fn arrive(&mut self) {
+        let mut rng =
+            stream(self.config.seed, Purpose::Object, (self.index as u64) << 31 | self.arrived as u64);
+        let u = rng.random::<f64>();
+        let class = match &self.config.true_classes {
+            TrueClasses::Arrival => invert(self.truth.arrival().iter(), u),
+            TrueClasses::UniformlyFrom(labels) => {
+                let even = 1.0 / labels.len() as f64;
+                labels[invert(labels.iter().map(|_| even), u)]
+            }
+            // Behind the last given object nothing is ever decided; any class will do.
+            TrueClasses::Given(rows) => rows[self.index].get(self.arrived).copied().unwrap_or(0),
+        };
+        self.arrived += 1;
+        self.objects.push(Object { class, rng, looks: 0, impossible: 0 });
+    }
+}
