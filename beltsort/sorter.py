@@ -1,7 +1,6 @@
 """The loop: scan -> perceive -> belief -> plan -> act -> journal."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import beltsort
@@ -19,6 +18,7 @@ from beltsort.errors import CellError, CloudError
 from beltsort.journal import Journal
 from beltsort.policy import Policy
 from beltsort.report import Decision, SortingReport
+from beltsort.rules import Rules, Seen
 
 
 class PerceivedPosition(Protocol):
@@ -36,39 +36,6 @@ class PerceivedPosition(Protocol):
 Perceive = Callable[[Scan], Sequence[PerceivedPosition]]
 
 
-@dataclass(frozen=True)
-class Rules:
-    """What keeps the loop from hanging.
-
-    Attributes
-    ----------
-    max_looks
-        An object scanned this often is decided as its most likely class, or goes to the cell's `reject_bin`.
-        With poor tables and a large penalty, looking for ever would be optimal.
-    empty_looks
-        A position seen empty in so many scans in a row, each from another viewpoint as far as there are, is
-        empty.
-    impossible_labels
-        So many labels in a row that the belief holds impossible are treated like `max_looks`.
-    scan_attempts
-        Unusable scans in a row after which the camera is taken to be broken.
-    """
-
-    max_looks: int = 60
-    empty_looks: int = 2
-    impossible_labels: int = 3
-    scan_attempts: int = 3
-
-
-@dataclass
-class _Seen:
-    """What is known of one object besides the belief."""
-
-    looks: int = 0
-    empty: list[int] = field(default_factory=list)
-    impossible: int = 0
-
-
 def sort_objects(
     cell: Cell,
     perceive: Perceive,
@@ -84,7 +51,8 @@ def sort_objects(
     Parameters
     ----------
     cell
-        Arm, camera, belt and bins; its classes, viewpoints and positions must be the model's.
+        Arm, camera, belt and bins; its classes, viewpoints and positions must be the model's. It needs no bin
+        for the model's class for empty cups if that is the last one.
     perceive
         From a scan to one result per position, the belt end first.
     policy
@@ -94,7 +62,8 @@ def sort_objects(
     journal
         An open journal. Its last entry is `end`, also after an error or an interrupt.
     objects
-        Belt places to work through, object 0 standing at the belt end now. An empty one is skipped.
+        Belt places to work through, object 0 standing at the belt end now. An empty one is skipped: when
+        `Rules.empty_looks` says so or, if the model has a class for empty cups, when that is decided.
     rules
         Limits; default `Rules()`.
 
@@ -131,13 +100,15 @@ class _Loop:
         self.cell, self.perceive, self.policy = cell, perceive, policy
         self.model, self.journal, self.rules = model, journal, rules
         self.belief = Belief(model)
-        self.viewpoint = self.index = self.steps = 0
-        self.visible = [_Seen() for _ in range(model.positions)]
+        self.empty = None if model.empty is None else model.classes.index(model.empty)
+        self.viewpoint = self.index = self.steps = self.objects = 0
+        self.visible = [Seen() for _ in range(model.positions)]
         self.decisions: list[Decision] = []
         self.skipped: list[int] = []
 
     def start(self, objects: int) -> None:
         """Bring the arm to where the planner takes it to be."""
+        self.objects = objects
         self.journal.append(
             "start", objects=objects, model=self.model.to_json(), beltsort=beltsort.__version__
         )
@@ -168,17 +139,15 @@ class _Loop:
                 self.decide(label)
 
     def known_empty(self) -> bool:
-        """Whether the belt end was seen empty often enough, and from enough viewpoints where there are."""
-        seen = self.visible[0].empty
-        untried = set(self.model.travel[self.viewpoint]) - set(seen)
-        enough = self.rules.empty_looks
-        return len(seen) >= enough and (len(set(seen)) >= enough or not untried)
+        """Whether the rule of `empty_looks` says that the belt end is empty."""
+        reachable = self.model.travel[self.viewpoint]
+        return self.empty is None and self.visible[0].known_empty(self.rules, reachable)
 
     def confirmation(self) -> Move | None:
         """Return the move that would confirm an empty belt end, to a viewpoint not tried yet if possible."""
         tried = self.visible[0].empty
         legal = self.model.travel[self.viewpoint]
-        if not tried or not legal:
+        if self.empty is not None or not tried or not legal:
             return None
         move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
         self.journal.append("plan", action=_plain(move), why="the belt end was seen empty: look again")
@@ -212,28 +181,38 @@ class _Loop:
             )
 
     def look_from(self, viewpoint: int) -> None:
-        """Move, scan, perceive, and update the belief."""
+        """Move and observe."""
         with self.journal.command("move", viewpoint=viewpoint) as command_id:
             arrival = self.cell.move_to(viewpoint, command_id)
         self.viewpoint = viewpoint
         self.steps += 1
-        perceived = self.scan(arrival)
-        probabilities = self.belief.label_probabilities(viewpoint)
+        self.observe(arrival)
+
+    def observe(self, stopped: float) -> None:
+        """Scan from where the camera stands, perceive, and update the belief."""
+        perceived = self.scan(stopped)
+        labels = [self.label_of(what) for what in perceived]
+        probabilities = self.belief.label_probabilities(self.viewpoint)
         dropped = []
-        for position, (seen, what) in enumerate(zip(self.visible, perceived, strict=True)):
+        for position, (seen, label) in enumerate(zip(self.visible, labels, strict=True)):
             seen.looks += 1
-            seen.empty = [*seen.empty, viewpoint] if what.empty else []
-            if what.label is not None and not self.take_in(position, what.label):
-                probability = float(probabilities[position, what.label])
-                dropped.append({"position": position, "label": what.label, "probability": probability})
+            seen.empty = [*seen.empty, self.viewpoint] if perceived[position].empty else []
+            if label is not None and not self.take_in(position, label):
+                probability = float(probabilities[position, label])
+                dropped.append({"position": position, "label": label, "probability": probability})
         self.journal.append(
             "scan",
-            viewpoint=viewpoint,
-            labels=[what.label for what in perceived],
+            viewpoint=self.viewpoint,
+            labels=labels,
             empty=[what.empty for what in perceived],
             dropped=dropped,
             belief=self.belief.probabilities.tolist(),
+            last_labels=self.belief.last_labels.tolist(),
         )
+
+    def label_of(self, what: PerceivedPosition) -> int | None:
+        """Return the label of one position; the model may have a class for empty cups."""
+        return self.empty if what.empty and self.empty is not None else what.label
 
     def take_in(self, position: int, label: int) -> bool:
         """Update the belief about one position; return False, and only count, if the label is impossible."""
@@ -260,12 +239,15 @@ class _Loop:
         )
 
     def decide(self, label: int, forced: str | None = None) -> None:
-        """Sort the object at the belt end and bring the next one there."""
+        """Sort the object at the belt end, or pass over an empty cup, and bring the next one there."""
+        self.steps += 1
         rejected = forced is not None and self.cell.reject_bin is not None
+        if label == self.empty and not rejected:
+            self.skip()
+            return
         bin_label = self.cell.reject_bin if rejected and self.cell.reject_bin is not None else label
         with self.journal.command("sort", label=bin_label) as command_id:
             self.cell.sort(bin_label, command_id)
-        self.steps += 1
         probability = float(self.belief.probabilities[0, label])
         decided = None if rejected else label
         decision = Decision(self.index, decided, probability, self.visible[0].looks, forced)
@@ -282,13 +264,15 @@ class _Loop:
         self.advance()
 
     def advance(self) -> None:
-        """Bring the next object to the belt end."""
+        """Bring the next object to the belt end, and observe if the model says so."""
         with self.journal.command("advance", index=self.index + 1) as command_id:
-            self.cell.advance_to(self.index + 1, command_id)
+            stopped = self.cell.advance_to(self.index + 1, command_id)
         self.index += 1
         self.journal.object = self.index
         self.belief.advance()
-        self.visible = [*self.visible[1:], _Seen()]
+        self.visible = [*self.visible[1:], Seen()]
+        if self.model.observe_after_decision and self.index < self.objects:
+            self.observe(stopped)
 
 
 def _plain(action: Move | Decide) -> dict[str, int]:
@@ -301,8 +285,11 @@ def _plain(action: Move | Decide) -> dict[str, int]:
 
 
 def _check_fit(cell: Cell, model: SortingModel) -> None:
+    classes = list(model.classes)
+    if classes[-1] == model.empty and model.empty not in cell.classes:
+        classes.pop()
     pairs: list[tuple[str, Any, Any]] = [
-        ("classes", list(cell.classes), list(model.classes)),
+        ("classes", list(cell.classes), classes),
         ("viewpoints", list(cell.viewpoints), list(model.viewpoints)),
         ("positions", cell.layout.positions, model.positions),
     ]

@@ -51,8 +51,11 @@ class DepthCamera(Protocol):
 class Belt(Protocol):
     """Carries the objects."""
 
-    def advance_to(self, index: int, command_id: str) -> None:
-        """Bring object number `index` of the run to the belt end."""
+    def advance_to(self, index: int, command_id: str) -> float:
+        """Bring object number `index` of the run to the belt end; return the time of its stop there.
+
+        Seconds on the cell's clock.
+        """
 
 
 class Sorter(Protocol):

@@ -17,14 +17,14 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 def belief_over_time(
     entries: list[Entry],
 ) -> tuple[NDArray[np.float64], list[tuple[int, str]], SortingModel]:
-    """Return the belief after each planner step, the decisions, and the model of a journalled run.
+    """Return the belief after each scan and decision, the decisions, and the model of a journalled run.
 
     Returns
     -------
     beliefs
-        Shape (steps + 1, H, L); row 0 is the arrival prior. A decision's row shows the belief behind it.
+        Shape (n + 1, H, L); row 0 is the arrival prior. A decision's row shows the belief behind it.
     decisions
-        (step, class name) of each.
+        (row, class name) of each.
     model
         The model it was planned with.
 

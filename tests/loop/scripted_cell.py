@@ -34,10 +34,11 @@ class ScriptedCell:
     command_ids: list[str] = field(default_factory=list)
     viewpoint: int = 0
     first: int = 0
+    stamps: list[float] = field(default_factory=list)
 
     @property
     def classes(self) -> Sequence[str]:
-        return self.model.classes
+        return [name for name in self.model.classes if name != self.model.empty]
 
     @property
     def viewpoints(self) -> Sequence[str]:
@@ -59,14 +60,16 @@ class ScriptedCell:
         return float(len(self.acts))
 
     def scan(self, *, not_before: float) -> Scan:
+        self.stamps.append(not_before)
         return Scan(np.zeros((1, 3)), np.eye(4), stamp=not_before)
 
     def sort(self, label: int, command_id: str) -> None:
         self._act("sort", label, command_id)
 
-    def advance_to(self, index: int, command_id: str) -> None:
+    def advance_to(self, index: int, command_id: str) -> float:
         self._act("advance", index, command_id)
         self.first = index
+        return float(len(self.acts))
 
 
 def scripted(scans: Iterable[Sequence[Glimpse] | str]) -> Callable[[Scan], list[Glimpsed]]:

@@ -12,10 +12,24 @@ from beltsort.errors import CellError
 from beltsort.journal import Entry, Journal, read_journal
 from beltsort.policy import Policy
 from beltsort.report import SortingReport
-from beltsort.sorter import Rules, sort_objects
+from beltsort.rules import Rules
+from beltsort.sorter import sort_objects
 from tests.loop.scripted_cell import EMPTY, UNUSABLE, Glimpse, ScriptedCell, scripted
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json")
+
+
+def changed(**settings: Any) -> beltsort.SortingModel:
+    """The paper's model with other settings."""
+    return beltsort.SortingModel(PAPER.classes, PAPER.viewpoints, PAPER.p_obs, **settings)
+
+
+def with_empty() -> beltsort.SortingModel:
+    """Two classes of objects and one for empty cups, which are told apart with probability 0.8."""
+    table = np.full((3, 3), 0.1) + 0.7 * np.eye(3)
+    return beltsort.SortingModel(
+        ["nut", "bolt", "none"], ["v", "w"], np.tile(table, (2, 2, 1, 1)), empty="none"
+    )
 
 
 class AlwaysLook:
@@ -132,9 +146,7 @@ def test_illegal_actions_are_refused_before_anything_moves(tmp_path: Path, actio
         def act(self, belief: Belief, viewpoint: int) -> Any:
             return action
 
-    travel = [[0, 1], [0, 1, 2], [1, 2]]
-    model = beltsort.SortingModel(PAPER.classes, PAPER.viewpoints, PAPER.p_obs, travel=travel)
-    cell = ScriptedCell(model)
+    cell = ScriptedCell(changed(travel=[[0, 1], [0, 1, 2], [1, 2]]))
     with pytest.raises(beltsort.PolicyError, match="the policy returned"):
         run(tmp_path, cell, [], Stubborn(), objects=1)
     assert cell.acts == [("move", 0)], "only the start"
@@ -149,10 +161,7 @@ def test_an_object_that_shows_again_is_not_empty(tmp_path: Path) -> None:
 
 def test_impossible_labels_are_dropped_and_end_the_looking(tmp_path: Path) -> None:
     # From p1, elongated at the belt end is never seen as mushroom.
-    certain = beltsort.SortingModel(
-        PAPER.classes, PAPER.viewpoints, PAPER.p_obs, arrival=[1.0, 0.0, 0.0, 0.0]
-    )
-    cell = ScriptedCell(certain)
+    cell = ScriptedCell(changed(arrival=[1.0, 0.0, 0.0, 0.0]))
     report, entries = run(tmp_path, cell, itertools.repeat([2, None]), AlwaysLook(), objects=1)
     assert [(d.label, d.looks, d.forced) for d in report.decisions] == [(0, 3, "impossible_labels")]
     dropped = [entry.data["dropped"] for entry in entries if entry.kind == "scan"]
@@ -188,6 +197,13 @@ def test_cell_and_model_must_agree(tmp_path: Path) -> None:
         sort_objects(cell, scripted([]), AlwaysLook(), PAPER, journal, objects=1)
 
 
+def test_a_class_for_empty_cups_without_a_bin_must_be_the_last(tmp_path: Path) -> None:
+    names = ["none", "nut", "bolt"]
+    model = beltsort.SortingModel(names, ["v", "w"], with_empty().p_obs, empty="none")
+    with Journal(tmp_path / "j") as journal, pytest.raises(CellError, match=r"classes are \['nut', 'bolt'\]"):
+        sort_objects(ScriptedCell(model), scripted([]), AlwaysLook(), model, journal, objects=1)
+
+
 def test_a_plan_is_journalled_with_its_reasons(tmp_path: Path) -> None:
     planner = beltsort.Despot(PAPER, trials=2, scenarios=50)
     _, entries = run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), planner, objects=1)
@@ -197,3 +213,56 @@ def test_a_plan_is_journalled_with_its_reasons(tmp_path: Path) -> None:
     assert len(plans[0]["values"]) == 7
     best = max(plans[0]["values"], key=lambda action: action["value"])
     assert plans[0]["action"] == {"move": best["move"]}
+
+
+def test_a_scan_follows_each_decision_while_objects_remain(tmp_path: Path) -> None:
+    model = changed(observe_after_decision=True)
+    cell = ScriptedCell(model)
+    scans: list[Sequence[Glimpse] | str] = [[1, 0], [2, 2], [0, 1], [3, 3]]
+    report, entries = run(tmp_path, cell, scans, LookOnceEach(), objects=2)
+    assert report.steps == 4
+    assert [d.looks for d in report.decisions] == [1, 3]
+    belief = Belief(model)
+    belief.observe(1, [1, 0])
+    belief.advance()
+    belief.observe(1, [2, 2])
+    journalled = [entry.data for entry in entries if entry.kind == "scan"]
+    assert len(journalled) == 3
+    assert journalled[1]["belief"] == belief.probabilities.tolist()
+    assert cell.stamps[1] == 1 + cell.acts.index(("advance", 1)), "no picture older than the belt's stop"
+
+
+def test_a_journalled_belief_can_be_rebuilt(tmp_path: Path) -> None:
+    model = changed(repeat=0.5)
+    _, entries = run(tmp_path, ScriptedCell(model), [[1, 0], [1, None]], LookOnceEach(), objects=2)
+    expected = Belief(model)
+    expected.observe(1, [1, 0])
+    scan = next(entry.data for entry in entries if entry.kind == "scan")
+    assert Belief(model, scan["belief"], scan["last_labels"]) == expected
+
+
+def test_an_empty_cup_is_decided_and_passed_over(tmp_path: Path) -> None:
+    model = with_empty()
+    cell = ScriptedCell(model)
+    scans: list[Sequence[Glimpse] | str] = [[EMPTY, 1], [1, EMPTY], [EMPTY, EMPTY]]
+    report, entries = run(tmp_path, cell, scans, LookOnceEach(), objects=3)
+    assert report.skipped == (0, 2)
+    assert [(d.object, d.label) for d in report.decisions] == [(1, 1)]
+    assert report.steps == 6
+    assert [act for act in cell.acts if act[0] == "sort"] == [("sort", 1)]
+    belief = Belief(model)
+    belief.observe(1, [2, 1])
+    scan, skip = (next(e.data for e in entries if e.kind == kind) for kind in ("scan", "skip"))
+    assert (scan["labels"], scan["empty"]) == ([2, 1], [True, False])
+    assert scan["belief"] == belief.probabilities.tolist()
+    assert skip == {"viewpoints": [1]}
+
+
+@pytest.mark.parametrize("reject_bin", [None, 7])
+def test_a_doubtful_empty_cup_is_rejected_where_there_is_a_bin(
+    tmp_path: Path, reject_bin: int | None
+) -> None:
+    cell = ScriptedCell(with_empty(), reject_bin=reject_bin)
+    report, _ = run(tmp_path, cell, itertools.repeat([EMPTY, None]), AlwaysLook(), 1, Rules(max_looks=3))
+    assert report.skipped == (() if reject_bin else (0,))
+    assert [act[1] for act in cell.acts if act[0] == "sort"] == ([7] if reject_bin else [])

@@ -144,10 +144,11 @@ class SimulatedCell:
 
         self._once(("sort", label), command_id, sort)
 
-    def advance_to(self, index: int, command_id: str) -> None:
-        """Bring object number `index` of the run to the belt end; objects that pass it unsorted fall off.
+    def advance_to(self, index: int, command_id: str) -> float:
+        """Bring object number `index` of the run to the belt end; return the time of its stop there.
 
-        The index just behind the last object leaves only empty cups.
+        Seconds on the cell's clock. Objects that pass the belt end unsorted fall off. The index just behind
+        the last object leaves only empty cups.
         """
 
         def advance() -> None:
@@ -156,7 +157,7 @@ class SimulatedCell:
                 self._looks = 0
             self.clock += self._config.advance_seconds * steps
 
-        self._once(("advance_to", index), command_id, advance)
+        return self._once(("advance_to", index), command_id, advance)
 
     def _once(self, command: tuple[str, int], command_id: str, act: Callable[[], None]) -> float:
         """Carry out a command unless its id was carried out before; return the time it was done."""

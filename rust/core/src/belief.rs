@@ -10,6 +10,9 @@ pub(crate) use memory::Memory;
 use crate::error::{Error, Result, argument_error};
 use crate::model::{SortingModel, distribution};
 
+/// A row that misses 1 by no more than this is a belief's own, written down: it is taken as it is, to the last bit.
+const ROUNDING: f64 = 1e-12;
+
 /// `b^j_i`: the probability that the object at position j is of class i.
 ///
 /// Objects are independent and each label depends on its own object only, so the product of these
@@ -51,7 +54,10 @@ impl Belief {
         }
         let mut probabilities = DMatrix::from_fn(l, h, |c, j| rows[j][c]);
         for mut column in probabilities.column_iter_mut() {
-            column /= column.sum();
+            let sum = column.sum();
+            if (sum - 1.0).abs() > ROUNDING {
+                column /= sum;
+            }
         }
         Ok(Self { probabilities, memory: Memory::new(model) })
     }

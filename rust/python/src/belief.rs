@@ -22,8 +22,9 @@ use crate::model::PySortingModel;
 /// model : SortingModel
 ///     Gives the shape, the observation tables and the arrival prior.
 /// probabilities : array_like, shape (H, L), optional
-///     One distribution per position, the belt end first; rows may miss 1 by 1e-6 and are normalised. The
-///     arrival prior at every position if missing. A probability of 0 is for ever: no label can raise it.
+///     One distribution per position, the belt end first. Rows may miss 1 by 1e-6 and are normalised; those
+///     that miss it by rounding only are kept to the last bit. The arrival prior at every position if
+///     missing. A probability of 0 is for ever: no label can raise it.
 /// last_labels : array_like of int, shape (H, K), optional
 ///     Last labels since the belt moved, -1 for none, which is what is taken if missing. With both arguments
 ///     a belief is rebuilt from its record. Labels that the model cannot repeat are forgotten.

@@ -188,7 +188,8 @@ proptest! {
         }
         let last = |j| (0..k).map(|v| belief.last_label(&model, j, v)).collect();
         let rows: Vec<_> = (0..h).map(last).collect();
-        let mut other = belief.clone().with_last_labels(&model, &rows).unwrap();
+        let probabilities: Vec<_> = (0..h).map(|j| belief.position(j).iter().copied().collect()).collect();
+        let mut other = Belief::from_rows(&model, &probabilities).unwrap().with_last_labels(&model, &rows).unwrap();
         prop_assert_eq!(&other, &belief);
         other.advance(&model);
         prop_assert!((0..h * k).all(|i| other.last_label(&model, i / k, i % k).is_none()));

@@ -1,0 +1,52 @@
+"""The rules of the loop, and what they count."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What keeps the loop from hanging.
+
+    Attributes
+    ----------
+    max_looks
+        An object scanned this often is decided as its most likely class, or goes to the cell's `reject_bin`.
+        With poor tables and a large penalty, looking for ever would be optimal.
+    empty_looks
+        A position seen empty in so many scans in a row, each from another viewpoint as far as there are, is
+        empty. A model with a class for empty cups does without this rule.
+    impossible_labels
+        So many labels in a row that the belief holds impossible are treated like `max_looks`.
+    scan_attempts
+        Unusable scans in a row after which the camera is taken to be broken.
+    """
+
+    max_looks: int = 60
+    empty_looks: int = 2
+    impossible_labels: int = 3
+    scan_attempts: int = 3
+
+
+@dataclass
+class Seen:
+    """What is known of one object besides the belief.
+
+    Attributes
+    ----------
+    looks
+        Scans in which it was visible.
+    empty
+        Viewpoints of the last scans in a row that saw its place empty.
+    impossible
+        Labels in a row that the belief held impossible.
+    """
+
+    looks: int = 0
+    empty: list[int] = field(default_factory=list)
+    impossible: int = 0
+
+    def known_empty(self, rules: Rules, reachable: list[int]) -> bool:
+        """Whether it was seen empty often enough, and from enough viewpoints as far as there are."""
+        untried = set(reachable) - set(self.empty)
+        enough = rules.empty_looks
+        return len(self.empty) >= enough and (len(set(self.empty)) >= enough or not untried)
