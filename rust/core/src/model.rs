@@ -1,5 +1,6 @@
 //! The sorting POMDP: sets, observation tables, rewards and travel (eq. 1-6 of the paper).
 
+mod pomdp;
 mod spec;
 mod validate;
 
