@@ -25,12 +25,14 @@ from beltsort._core import (
     evaluate,
     solve,
 )
+from beltsort.comparison import Comparison, compare
 from beltsort.policy import Policy
 
 __all__ = [
     "ArgumentError",
     "Belief",
     "BeltsortError",
+    "Comparison",
     "Decide",
     "Despot",
     "Evaluation",
@@ -45,6 +47,7 @@ __all__ = [
     "SortingModel",
     "Threshold",
     "__version__",
+    "compare",
     "evaluate",
     "solve",
 ]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any, TypeAlias
 
-from beltsort import ArgumentError
+from beltsort import ArgumentError, SortingModel
 
 Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
 
@@ -37,6 +37,37 @@ def budget_of(arguments: Namespace) -> dict[str, Any]:
     if arguments.seconds is not None:
         return {"seconds": arguments.seconds}
     return {"trials": DEFAULT_TRIALS if arguments.trials is None else arguments.trials}
+
+
+def add_simulation(parser: ArgumentParser) -> None:
+    """Add what is simulated: batches, objects and threads."""
+    parser.add_argument("--batches", type=int, default=1000, metavar="N", help="default: 1000")
+    parser.add_argument(
+        "--batch-size", type=int, default=10, metavar="N", help="decisions per batch (default: 10)"
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of objects and labels (default: 0)")
+    parser.add_argument("--threads", type=int, metavar="N", help="default: all cores")
+    parser.add_argument(
+        "--true-classes", metavar="A,B", help="draw objects uniformly from these classes (names or indices)"
+    )
+
+
+def simulation_of(arguments: Namespace, model: SortingModel) -> dict[str, Any]:
+    """Return what is simulated, as keywords of `evaluate` and `compare`."""
+    return {
+        "batches": arguments.batches,
+        "batch_size": arguments.batch_size,
+        "seed": arguments.seed,
+        "threads": arguments.threads,
+        "true_classes": parse_classes(arguments.true_classes, model),
+    }
+
+
+def parse_classes(text: str | None, model: SortingModel) -> list[int] | None:
+    """Read names separated by commas."""
+    if text is None:
+        return None
+    return [index_of(name, model.classes, "class") for name in text.split(",")]
 
 
 def index_of(text: str, names: Sequence[str], what: str) -> int:

@@ -4,8 +4,17 @@ from argparse import Namespace
 
 from beltsort import ArgumentError, Despot, Evaluation, InformationGain, Policy, SortingModel, Threshold
 from beltsort import evaluate as simulate
-from beltsort.cli.arguments import Subparsers, add_budget, add_json, add_model, budget_of, index_of
-from beltsort.cli.output import number_or_none, print_json, print_table
+from beltsort.cli.arguments import (
+    Subparsers,
+    add_budget,
+    add_json,
+    add_model,
+    add_simulation,
+    budget_of,
+    simulation_of,
+)
+from beltsort.cli.output import print_json, print_table
+from beltsort.text import number_or_none
 
 OPTIONS_OF = {
     "despot": {"trials", "seconds"},
@@ -27,15 +36,7 @@ def add_parser(subparsers: Subparsers) -> None:
         help="positions whose information counts (information-gain; default: 1)",
     )
     add_budget(parser)
-    parser.add_argument("--batches", type=int, default=1000, metavar="N", help="default: 1000")
-    parser.add_argument(
-        "--batch-size", type=int, default=10, metavar="N", help="decisions per batch (default: 10)"
-    )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of objects and labels (default: 0)")
-    parser.add_argument("--threads", type=int, metavar="N", help="default: all cores")
-    parser.add_argument(
-        "--true-classes", metavar="A,B", help="draw objects uniformly from these classes (names or indices)"
-    )
+    add_simulation(parser)
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -43,15 +44,7 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: Namespace) -> int:
     """Simulate and print."""
     model = SortingModel.load(arguments.model)
-    result = simulate(
-        model,
-        make_policy(arguments, model),
-        batches=arguments.batches,
-        batch_size=arguments.batch_size,
-        seed=arguments.seed,
-        threads=arguments.threads,
-        true_classes=parse_classes(arguments.true_classes, model),
-    )
+    result = simulate(model, make_policy(arguments, model), **simulation_of(arguments, model))
     show = show_json if arguments.json else show_text
     show(arguments, result)
     return 0
@@ -73,13 +66,6 @@ def make_policy(arguments: Namespace, model: SortingModel) -> Policy:
         return Threshold(model, arguments.threshold)
     counted = 1 if arguments.positions_counted is None else arguments.positions_counted
     return InformationGain(model, arguments.threshold, counted)
-
-
-def parse_classes(text: str | None, model: SortingModel) -> list[int] | None:
-    """Read names separated by commas."""
-    if text is None:
-        return None
-    return [index_of(name, model.classes, "class") for name in text.split(",")]
 
 
 def show_json(arguments: Namespace, result: Evaluation) -> None:

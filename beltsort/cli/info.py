@@ -1,6 +1,5 @@
 """`beltsort info`: what runs here."""
 
-import os
 import platform
 from argparse import Namespace
 from importlib.metadata import PackageNotFoundError, version
@@ -10,6 +9,7 @@ from beltsort import __version__
 from beltsort._core import BUILD_PROFILE
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table
+from beltsort.machine import processors
 
 PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "rich")
 
@@ -40,16 +40,9 @@ def gather() -> dict[str, Any]:
         "build_profile": BUILD_PROFILE,
         "python": platform.python_version(),
         "platform": platform.platform(),
-        "threads": threads(),
+        "threads": processors(),
         "packages": {name: installed(name) for name in PACKAGES},
     }
-
-
-def threads() -> int:
-    """Count the processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def installed(package: str) -> str | None:

@@ -1,12 +1,12 @@
 """What the commands print."""
 
 import json
-import math
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from beltsort import Decide, Move, SortingModel
+from beltsort.text import text_table
 
 
 def print_json(result: Mapping[str, Any]) -> None:
@@ -19,17 +19,9 @@ def tell(line: str) -> None:
     print(line, file=sys.stderr)
 
 
-def number_or_none(value: float) -> float | None:
-    """Return the number, or None where JSON has no way to write it."""
-    return value if math.isfinite(value) else None
-
-
 def print_table(rows: Sequence[Sequence[str]]) -> None:
     """Print rows in columns, the first one flush left."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        first, *others = (cell.rjust(width) for cell, width in zip(row, widths, strict=True))
-        print("  ".join(["", row[0].ljust(len(first)), *others]))
+    print(text_table(rows))
 
 
 def action_in_words(model: SortingModel, action: Move | Decide) -> str:

@@ -14,27 +14,9 @@ import pytest
 
 import beltsort
 
-PAPER = str(Path(__file__).parent.parent / "fixtures" / "paper.json")
+from .running import PAPER, command, json_of, output
+
 QUICK = ["--batches", "20"]
-
-
-def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "beltsort", *arguments], capture_output=True, text=True, timeout=60
-    )
-
-
-def output(*arguments: str) -> str:
-    done = command(*arguments)
-    assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
-    return done.stdout
-
-
-def json_of(*arguments: str) -> dict[str, Any]:
-    result = json.loads(output(*arguments, "--json"))
-    assert isinstance(result, dict)
-    return result
 
 
 def test_info() -> None:

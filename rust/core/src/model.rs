@@ -1,6 +1,7 @@
 //! The sorting POMDP: sets, observation tables, rewards and travel (eq. 1-6 of the paper).
 
 mod likelihood;
+mod pomdp;
 mod spec;
 mod validate;
 

@@ -194,6 +194,33 @@ impl PySortingModel {
         self.0.spec().save(&path).map_err(to_python)
     }
 
+    /// Write the model as a flat POMDP in Cassandra's format, which other solvers read.
+    ///
+    /// A state is the class at every position, with the viewpoint in front unless all viewpoints are alike in
+    /// legal moves and their costs and no scan follows a decision: L^H or K L^H states. The actions are the K
+    /// moves and L decisions; the observations are the L^H label vectors, and ``nothing`` after a decision that
+    /// no scan follows. Such a file has no forbidden
+    /// actions: a move that `travel` forbids costs (r_max + r_min) / (1 - discount), so that it never pays. The
+    /// camera starts at viewpoint 0.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     Where to write; an existing file is replaced.
+    ///
+    /// Raises
+    /// ------
+    /// ModelError
+    ///     For more than two million pairs of state and observation, for `repeat` or `information_gain` above 0
+    ///     (such states hold no labels, such rewards no beliefs), or if the file cannot be written.
+    ///
+    /// References
+    /// ----------
+    /// Cassandra, "POMDP file format", http://www.pomdp.org/code/pomdp-file-spec.html
+    fn to_pomdp(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.0.to_pomdp(&path)).map_err(to_python)
+    }
+
     /// Names of the classes, list of length L.
     #[getter]
     fn classes(&self) -> Vec<String> {

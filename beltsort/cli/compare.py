@@ -1,0 +1,46 @@
+"""`beltsort compare`: policies on the same objects."""
+
+from argparse import Namespace
+
+from beltsort import ArgumentError, SortingModel
+from beltsort import compare as simulate
+from beltsort.cli.arguments import Subparsers, add_json, add_model, add_simulation, simulation_of
+from beltsort.cli.output import print_json
+from beltsort.cli.policies import HELP, named_policy
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "compare",
+        help="simulate policies on the same objects and print how they differ",
+        description="Simulate policies on the same objects. Differences are paired by batch.",
+    )
+    add_model(parser)
+    parser.add_argument("--policies", nargs="+", required=True, metavar="POLICY", help=HELP)
+    parser.add_argument(
+        "--baseline", metavar="POLICY", help="the one that the others are held against (default: the first)"
+    )
+    add_simulation(parser)
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Simulate and print."""
+    model = SortingModel.load(arguments.model)
+    names: list[str] = arguments.policies
+    if len(set(names)) < len(names):
+        raise ArgumentError(f"--policies {' '.join(names)} names a policy twice; name each once")
+    comparison = simulate(
+        model,
+        {name: named_policy(name, model) for name in names},
+        baseline=arguments.baseline,
+        **simulation_of(arguments, model),
+    )
+    if arguments.json:
+        print_json({"command_line": arguments.command_line, **comparison.to_dict()})
+    else:
+        print(comparison)
+        print(f"Made by: {arguments.command_line}")
+    return 0

@@ -1,0 +1,67 @@
+"""Policies named by one word, `threshold:0.94` for example."""
+
+from collections.abc import Callable
+
+from beltsort import ArgumentError, Despot, InformationGain, Policy, SortingModel, Threshold, solve
+from beltsort.cli.arguments import DEFAULT_TRIALS
+
+HELP = (
+    f"despot[:TRIALS] ({DEFAULT_TRIALS} if missing), despot:SECONDSs (despot:0.01s), threshold:T, "
+    "information-gain:T[:POSITIONS], solution[:SECONDSs] (solves first; 60s if missing)"
+)
+
+
+def named_policy(text: str, model: SortingModel) -> Policy:
+    """Make the policy that a word names.
+
+    Parameters
+    ----------
+    text
+        A kind and its parameters, separated by colons: see `HELP`.
+    model
+        The model it plans for.
+
+    Raises
+    ------
+    ArgumentError
+        For an unknown kind, or parameters that the kind does not have.
+    """
+    kind, *parameters = text.split(":")
+    if kind not in KINDS:
+        raise ArgumentError(f"there is no policy {text!r}; there are {HELP}")
+    try:
+        return KINDS[kind](model, *parameters)
+    except (TypeError, ValueError) as reason:
+        raise ArgumentError(f"{text!r} names no policy ({reason}); there are {HELP}") from reason
+
+
+def _despot(model: SortingModel, budget: str = str(DEFAULT_TRIALS)) -> Policy:
+    if budget.endswith("s"):
+        return Despot(model, seconds=_seconds(budget))
+    return Despot(model, trials=int(budget))
+
+
+def _threshold(model: SortingModel, threshold: str) -> Policy:
+    return Threshold(model, float(threshold))
+
+
+def _information_gain(model: SortingModel, threshold: str, positions: str = "1") -> Policy:
+    return InformationGain(model, float(threshold), int(positions))
+
+
+def _solution(model: SortingModel, time: str = "60s") -> Policy:
+    return solve(model, seconds=_seconds(time))
+
+
+def _seconds(text: str) -> float:
+    if not text.endswith("s"):
+        raise ValueError(f"{text} has no unit: write {text}s")
+    return float(text.removesuffix("s"))
+
+
+KINDS: dict[str, Callable[..., Policy]] = {
+    "despot": _despot,
+    "threshold": _threshold,
+    "information-gain": _information_gain,
+    "solution": _solution,
+}

@@ -1,0 +1,83 @@
+//! How fast planning is, through the public interface alone: `cargo bench`, or `cargo bench -- --test` to see whether
+//! everything runs.
+
+use std::hint::black_box;
+
+use beltsort_core::{
+    Belief, Budget, Despot, DespotConfig, EvaluationConfig, ModelSpec, Plan, Result, SortingModel, Threshold,
+    TrueClasses, evaluate,
+};
+use criterion::{BenchmarkId, Criterion, Throughput};
+use rayon::ThreadPoolBuilder;
+
+const TRIALS: u64 = 50;
+const FEW_SCENARIOS: usize = 512;
+const MANY_SCENARIOS: usize = 4096;
+const BATCHES: usize = 1000;
+
+fn main() -> Result<()> {
+    let model = SortingModel::new(ModelSpec::from_json(include_str!("../../../tests/fixtures/paper.json"))?)?;
+    let mut criterion = Criterion::default().configure_from_args();
+    ready_to_plan(&mut criterion, &model);
+    one_plan(&mut criterion, &model)?;
+    by_threads(&mut criterion, &model)?;
+    simulation(&mut criterion, &model)?;
+    criterion.final_summary();
+    Ok(())
+}
+
+/// What a planner does once, before its first plan: solve the one-object problem.
+fn ready_to_plan(criterion: &mut Criterion, model: &SortingModel) {
+    criterion.bench_function("ready to plan", |b| b.iter(|| planner(black_box(model), FEW_SCENARIOS)));
+}
+
+/// A plan's latency, and its work per second: (scenario, move) pairs simulated, and nodes expanded.
+fn one_plan(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
+    for scenarios in [FEW_SCENARIOS, MANY_SCENARIOS] {
+        let planner = planner(model, scenarios)?;
+        let done = plan(&planner)?;
+        for (unit, count) in [("scenario steps", done.scenario_steps), ("expansions", done.expansions)] {
+            let mut group = criterion.benchmark_group(format!("plan of {TRIALS} trials in {unit}"));
+            group.throughput(Throughput::Elements(count));
+            group.bench_function(BenchmarkId::new("scenarios", scenarios), |b| b.iter(|| plan(&planner)));
+        }
+    }
+    Ok(())
+}
+
+/// The same plan on one thread and on two.
+fn by_threads(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
+    let planner = planner(model, MANY_SCENARIOS)?;
+    let mut group = criterion.benchmark_group(format!("plan of {TRIALS} trials"));
+    for threads in [1, 2] {
+        let Ok(pool) = ThreadPoolBuilder::new().num_threads(threads).build() else { continue };
+        let id = BenchmarkId::new("threads", threads);
+        group.bench_function(id, |b| b.iter(|| pool.install(|| plan(&planner))));
+    }
+    Ok(())
+}
+
+/// Simulated batches with a policy that costs next to nothing.
+fn simulation(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
+    let policy = Threshold::new(model, 0.94, None)?;
+    let config = EvaluationConfig {
+        batches: BATCHES,
+        batch_size: 10,
+        seed: 0,
+        viewpoint: 0,
+        true_classes: TrueClasses::Arrival,
+        max_looks: 60,
+    };
+    let mut group = criterion.benchmark_group("evaluate a threshold in batches");
+    group.throughput(Throughput::Elements(BATCHES as u64));
+    group.bench_function(BATCHES.to_string(), |b| b.iter(|| evaluate(model, model, &policy, &config)));
+    Ok(())
+}
+
+fn planner(model: &SortingModel, scenarios: usize) -> Result<Despot> {
+    Despot::new(model, DespotConfig { scenarios, ..DespotConfig::default() })
+}
+
+fn plan(planner: &Despot) -> Result<Plan> {
+    planner.plan(&Belief::new(planner.model()), 0, Budget::Trials(TRIALS))
+}

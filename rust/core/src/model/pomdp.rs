@@ -1,0 +1,233 @@
+//! The model as a flat POMDP in Cassandra's file format (<http://www.pomdp.org/code/pomdp-file-spec.html>), for
+//! other solvers.
+//!
+//! * A state is the class at every position (`c1_c0`: class 1 at the belt end), with the viewpoint in front
+//!   (`v2_c1_c0`) unless it does not matter.
+//! * The actions are `move_k` and `decide_i`. Every action is open in every state of such a file: a move that
+//!   `travel` forbids costs so much that it is never optimal ([`Flat::forbidden`]).
+//! * An observation is the label at every position (`z1_z0`), or `nothing` after a decision that no scan follows.
+//! * The start is the arrival prior at every position, the camera at the first viewpoint.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::SortingModel;
+use crate::error::{Error, Result, model_error};
+
+#[cfg(test)]
+mod tests;
+
+/// States times observations beyond which no solver of flat POMDPs gets anywhere, and files fill disks.
+const MOST_ENTRIES: usize = 2_000_000;
+
+impl SortingModel {
+    /// Write the model as a flat POMDP in Cassandra's format.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if it has too many states and observations, if labels repeat (the labels seen so far are no
+    /// part of such a state) or information is rewarded, or if the file cannot be written.
+    pub fn to_pomdp(&self, path: &Path) -> Result<()> {
+        let flat = Flat::new(self)?;
+        let write = || {
+            let mut out = BufWriter::new(File::create(path)?);
+            flat.write(&mut out)?;
+            out.flush()
+        };
+        write().map_err(|e: io::Error| {
+            Error::Model(format!("{}: the POMDP file cannot be written: {e}", path.display()))
+        })
+    }
+}
+
+/// A model whose states and observations are numbered.
+struct Flat<'a> {
+    model: &'a SortingModel,
+    /// How many viewpoints the states tell apart: K, or 1 if the viewpoint does not matter.
+    viewpoints: usize,
+    /// L^H, the number of class vectors and of label vectors.
+    vectors: usize,
+}
+
+/// The camera's viewpoint (0 if it does not matter) and the class at each position.
+#[derive(Clone)]
+struct State {
+    viewpoint: usize,
+    classes: Vec<usize>,
+}
+
+impl<'a> Flat<'a> {
+    fn new(model: &'a SortingModel) -> Result<Self> {
+        check_expressible(model)?;
+        let viewpoints = if viewpoint_matters(model) { model.viewpoint_count() } else { 1 };
+        let (h, l) = (model.position_count(), model.class_count());
+        let vectors = u32::try_from(h).ok().and_then(|h| l.checked_pow(h));
+        let entries = vectors.and_then(|n| n.checked_mul(n)?.checked_mul(viewpoints));
+        match (vectors, entries) {
+            (Some(vectors), Some(..=MOST_ENTRIES)) => Ok(Self { model, viewpoints, vectors }),
+            _ => model_error(format!(
+                "{l} classes at {h} positions from {viewpoints} viewpoints give {viewpoints} * {l}^{h} states and {l}^{h} \
+                 observations, more than {MOST_ENTRIES} pairs; keep fewer positions (with_positions)"
+            )),
+        }
+    }
+
+    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        self.preamble(out)?;
+        (0..self.model.viewpoint_count()).try_for_each(|to| self.motion(out, to))?;
+        (0..self.model.class_count()).try_for_each(|label| self.decision(out, label))
+    }
+
+    fn preamble(&self, out: &mut impl Write) -> io::Result<()> {
+        let spec = self.model.spec();
+        writeln!(out, "# A sorting POMDP, written by beltsort. Names count from 0.")?;
+        writeln!(out, "# classes and labels: {:?}", spec.classes)?;
+        writeln!(out, "# viewpoints: {:?}", spec.viewpoints)?;
+        writeln!(out, "# a forbidden move costs {}", number(self.forbidden()))?;
+        writeln!(out, "discount: {}", number(spec.discount))?;
+        writeln!(out, "values: reward")?;
+        writeln!(out, "states: {}", joined(self.states().map(|state| self.name(&state))))?;
+        let moves = (0..self.model.viewpoint_count()).map(|v| format!("move_{v}"));
+        let decisions = (0..self.model.class_count()).map(|label| format!("decide_{label}"));
+        writeln!(out, "actions: {}", joined(moves.chain(decisions)))?;
+        let nothing = (!self.model.observes_after_decision()).then(|| "nothing".to_owned());
+        let labels = (0..self.vectors).map(|z| vector_name('z', &self.vector(z)));
+        writeln!(out, "observations: {}", joined(labels.chain(nothing)))?;
+        writeln!(out, "start: {}", joined(self.states().map(|state| number(self.start(&state)))))
+    }
+
+    fn motion(&self, out: &mut impl Write, to: usize) -> io::Result<()> {
+        let action = format!("move_{to}");
+        for state in self.states() {
+            let mut next = state.clone();
+            next.viewpoint = if self.viewpoints == 1 { 0 } else { to };
+            let name = self.name(&state);
+            writeln!(out, "T: {action} : {name} : {} 1.0", self.name(&next))?;
+            writeln!(
+                out,
+                "R: {action} : {name} : * : * {}",
+                number(self.motion_reward(state.viewpoint, to))
+            )?;
+            self.scan(out, &action, &state, to)?;
+        }
+        Ok(())
+    }
+
+    fn decision(&self, out: &mut impl Write, label: usize) -> io::Result<()> {
+        let action = format!("decide_{label}");
+        let scans = self.model.observes_after_decision();
+        if !scans {
+            writeln!(out, "O: {action} : * : nothing 1.0")?;
+        }
+        for state in self.states() {
+            let name = self.name(&state);
+            for (class, &p) in self.model.arrival().iter().enumerate().filter(|(_, p)| **p > 0.0) {
+                let mut next = state.clone();
+                next.classes.rotate_left(1);
+                next.classes[state.classes.len() - 1] = class;
+                writeln!(out, "T: {action} : {name} : {} {}", self.name(&next), number(p))?;
+            }
+            let right = f64::from(u8::from(state.classes[0] == label));
+            writeln!(out, "R: {action} : {name} : * : * {}", number(self.model.decision_reward(right)))?;
+            if scans {
+                self.scan(out, &action, &state, state.viewpoint)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The labels that a scan from `viewpoint` gives once `action` has led to `state`.
+    fn scan(&self, out: &mut impl Write, action: &str, state: &State, viewpoint: usize) -> io::Result<()> {
+        let name = self.name(state);
+        for labels in (0..self.vectors).map(|z| self.vector(z)) {
+            let seen = state.classes.iter().zip(&labels).enumerate();
+            let p: f64 = seen.map(|(j, (c, z))| self.model.table(j, viewpoint)[(*c, *z)]).product();
+            if p > 0.0 {
+                writeln!(out, "O: {action} : {name} : {} {}", vector_name('z', &labels), number(p))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn motion_reward(&self, from: usize, to: usize) -> f64 {
+        if self.model.legal_moves(from).contains(&to) {
+            0.0 - self.model.motion_cost(from, to)
+        } else {
+            0.0 - self.forbidden()
+        }
+    }
+
+    /// The cost of a forbidden move: nothing that follows can be worth `r_max / (1 - discount)` or more, and
+    /// deciding for ever loses `r_min / (1 - discount)` at most.
+    fn forbidden(&self) -> f64 {
+        (self.model.spec().r_max + self.model.spec().r_min) / (1.0 - self.model.discount())
+    }
+
+    fn start(&self, state: &State) -> f64 {
+        if state.viewpoint > 0 {
+            return 0.0;
+        }
+        state.classes.iter().map(|c| self.model.arrival()[*c]).product()
+    }
+
+    /// Every state, in the order of the file: by viewpoint, then by the class at the belt end, and so on.
+    fn states(&self) -> impl Iterator<Item = State> {
+        (0..self.viewpoints).flat_map(move |viewpoint| {
+            (0..self.vectors).map(move |index| State { viewpoint, classes: self.vector(index) })
+        })
+    }
+
+    /// The class or label vector with this number, position 0 first (and most significant).
+    fn vector(&self, index: usize) -> Vec<usize> {
+        let l = self.model.class_count();
+        let mut rest = index;
+        let mut entries: Vec<usize> = (0..self.model.position_count())
+            .map(|_| {
+                let entry = rest % l;
+                rest /= l;
+                entry
+            })
+            .collect();
+        entries.reverse();
+        entries
+    }
+
+    fn name(&self, state: &State) -> String {
+        let classes = vector_name('c', &state.classes);
+        if self.viewpoints == 1 { classes } else { format!("v{}_{classes}", state.viewpoint) }
+    }
+}
+
+fn check_expressible(model: &SortingModel) -> Result<()> {
+    let beyond = [
+        ("repeat", model.ever_repeats(), "the labels seen so far are no part of its states"),
+        ("information_gain", model.spec().information_gain > 0.0, "its rewards do not depend on the belief"),
+    ];
+    match beyond.iter().find(|(_, used, _)| *used) {
+        Some((key, _, reason)) => {
+            model_error(format!("{key} is set, which a POMDP file cannot hold: {reason}. Leave it out"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Whether the viewpoint is needed to tell which moves are legal, what they cost, or what is seen.
+fn viewpoint_matters(model: &SortingModel) -> bool {
+    let costs = |from| model.legal_moves(from).iter().map(move |to| (*to, model.motion_cost(from, *to)));
+    let k = model.viewpoint_count();
+    k > 1 && (model.observes_after_decision() || (1..k).any(|from| !costs(from).eq(costs(0))))
+}
+
+fn vector_name(letter: char, entries: &[usize]) -> String {
+    entries.iter().map(|entry| format!("{letter}{entry}")).collect::<Vec<_>>().join("_")
+}
+
+fn joined(words: impl Iterator<Item = String>) -> String {
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// A number that reads back exactly, as the format wants it: digits before and after the point, no exponent.
+fn number(value: f64) -> String {
+    let digits = value.to_string();
+    if digits.contains('.') { digits } else { digits + ".0" }
+}

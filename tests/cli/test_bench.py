@@ -1,0 +1,60 @@
+"""beltsort bench: what it says is whole and coherent; how fast is another matter."""
+
+import re
+
+import pytest
+
+from beltsort import Belief, Despot
+from beltsort._core import BUILD_PROFILE
+from beltsort.cli import main
+from beltsort.experiments import bench
+from beltsort.models import paper
+
+from .running import PAPER, command, json_of
+
+
+def test_bench_as_json() -> None:
+    facts = json_of("bench", "--seconds", "0.2", "--model", PAPER)
+    assert facts["processor"]
+    assert facts["build_profile"] == BUILD_PROFILE
+    assert facts["peak_memory"] > 2**20
+    planner = Despot(paper(), scenarios=facts["scenarios"], trials=facts["trials"])
+    plan = planner.plan(Belief(paper()))
+    assert [row["threads"] for row in facts["throughput"]][-1] == facts["processors"]
+    for row in facts["throughput"]:
+        assert row["plans"] > 0
+        assert row["expansions"] == pytest.approx(row["plans"] * plan.expansions)
+        assert row["scenario_steps"] == pytest.approx(row["plans"] * plan.scenario_steps)
+    assert facts["throughput"][0]["speed_up"] == 1.0
+    assert facts["overshoot"]["plans"] >= 3
+    assert facts["overshoot"]["p50"] <= facts["overshoot"]["p99"]
+
+
+def test_bench_in_words() -> None:
+    text = command("bench", "--seconds", "0.1").stdout
+    assert re.search(r"\d processors; (release|debug) build\n", text)
+    assert re.search(
+        r"^  threads +plans +expansions +scenario steps +speed-up\n  1 .* 1\.00\n", text, re.MULTILINE
+    )
+    assert "A deadline of 1 ms is missed by" in text
+    assert re.search(r"Peak memory: \d+ MiB\n$", text)
+
+
+def test_a_debug_build_is_told_loudly(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bench, "BUILD_PROFILE", "debug")
+    assert main(["bench", "--seconds", "0.01"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err.startswith("WARNING: THIS IS A DEBUG BUILD")
+    assert "debug build" in captured.out
+
+
+@pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf"])
+def test_a_time_must_be_above_zero(seconds: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", f"--seconds={seconds}"]) == 2
+    assert "give a finite time above 0" in capsys.readouterr().err
+
+
+def test_thread_counts() -> None:
+    assert [bench.thread_counts(n) for n in (1, 2, 6, 8)] == [[1], [1, 2], [1, 2, 4, 6], [1, 2, 4, 8]]

@@ -1,0 +1,57 @@
+"""beltsort compare."""
+
+import re
+
+import pytest
+
+from beltsort import Despot, InformationGain, SortingModel, Threshold, compare
+
+from .running import PAPER, command, json_of, output
+
+POLICIES = ["threshold:0.9", "information-gain:0.9:2", "despot:2"]
+
+
+def test_compare_says_the_same_as_the_library() -> None:
+    model = SortingModel.load(PAPER)
+    policies = (Threshold(model, 0.9), InformationGain(model, 0.9, 2), Despot(model, trials=2))
+    expected = compare(
+        model,
+        dict(zip(POLICIES, policies, strict=True)),
+        batches=20,
+        batch_size=5,
+        seed=3,
+        baseline="despot:2",
+    )
+    options = ["--baseline", "despot:2", "--batches", "20", "--batch-size", "5", "--seed", "3"]
+    result = json_of("compare", PAPER, "--policies", *POLICIES, *options)
+    assert result.pop("command_line").startswith(f"beltsort compare {PAPER} --policies threshold:0.9 ")
+    assert result == expected.to_dict()
+
+
+def test_compare_in_words() -> None:
+    options = ["--policies", "threshold:0.9", "despot:0.001s", "solution:0.2s", "--batches", "3"]
+    text = output("compare", PAPER, *options, "--true-classes", "livarno,3")
+    assert re.search(r"^ +threshold:0.9 +despot:0.001s +solution:0.2s$", text, re.MULTILINE)
+    assert "Minus threshold:0.9 in the same batches" in text
+    assert re.search(r"^  steps +[+-]\d.*\([+-]", text, re.MULTILINE)
+    assert "Made by: beltsort compare" in text
+
+
+@pytest.mark.parametrize(
+    ("policies", "message"),
+    [
+        (["threshold:0.9", "random"], "no policy 'random'; there are despot"),
+        (["threshold:0.9", "threshold"], "'threshold' names no policy"),
+        (["threshold:0.9", "threshold:high"], "'threshold:high' names no policy"),
+        (["threshold:0.9", "threshold:1.5"], "threshold = 1.5"),
+        (["threshold:0.9", "despot:2:3"], "'despot:2:3' names no policy"),
+        (["threshold:0.9", "solution:3"], "3 has no unit: write 3s"),
+        (["despot", "despot"], "names a policy twice"),
+        (["despot"], "1 policies: give at least two"),
+    ],
+)
+def test_errors_are_one_line(policies: list[str], message: str) -> None:
+    done = command("compare", PAPER, "--policies", *policies, "--batches", "1", "--json")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert re.fullmatch(rf"beltsort: error: .*{re.escape(message)}.*\n", done.stderr)

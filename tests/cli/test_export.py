@@ -1,0 +1,23 @@
+"""beltsort export."""
+
+from pathlib import Path
+
+from beltsort import SortingModel
+
+from .running import PAPER, command, json_of, output
+
+
+def test_export_writes_what_the_library_writes(tmp_path: Path) -> None:
+    SortingModel.load(PAPER).to_pomdp(tmp_path / "expected.pomdp")
+    expected = (tmp_path / "expected.pomdp").read_bytes()
+    file = tmp_path / "paper.pomdp"
+    assert json_of("export", PAPER, str(file)) == {"file": str(file), "bytes": len(expected)}
+    assert file.read_bytes() == expected
+    assert output("export", PAPER, str(file)) == f"{file}: {len(expected)} bytes\n"
+
+
+def test_another_format_is_refused(tmp_path: Path) -> None:
+    done = command("export", PAPER, str(tmp_path / "paper.pomdpx"))
+    assert done.returncode == 2
+    assert "does not end in .pomdp" in done.stderr
+    assert not list(tmp_path.iterdir())
