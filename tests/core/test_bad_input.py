@@ -104,15 +104,14 @@ CASES: dict[str, tuple[Callable[[], object], type[BeltsortError], list[str]]] = 
     "information gain": (model(information_gain=-1.0), ModelError, ["information_gain = -1", "not negative"]),
     "infinite gain": (model(information_gain=np.inf), ModelError, ["information_gain = inf", "finite"]),
     "empty class": (model(empty="c"), ModelError, ['empty = "c"', "(a, b)", "leave it out"]),
-    "plan for repeats": (lambda: Despot(REPEATING), ModelError, ["repeat is set", "leave it out"]),
     "solve repeats": (lambda: solve(REPEATING), ModelError, ["repeat is set", "leave it out"]),
-    "plan for scans after decisions": (
-        lambda: Despot(random_model(0, observe_after_decision=True)),
+    "solve scans after decisions": (
+        lambda: solve(random_model(0, observe_after_decision=True)),
         ModelError,
         ["observe_after_decision is set", "Threshold"],
     ),
-    "plan for bonuses": (
-        lambda: Despot(random_model(0, information_gain=0.1)),
+    "solve bonuses": (
+        lambda: solve(random_model(0, information_gain=0.1)),
         ModelError,
         ["information_gain is set", "Threshold"],
     ),

@@ -5,6 +5,7 @@ mod memory;
 
 use nalgebra::{DMatrix, DVectorView};
 
+pub(crate) use information::information;
 pub(crate) use memory::Memory;
 
 use crate::error::{Error, Result, argument_error};
@@ -164,13 +165,9 @@ impl Belief {
         viewpoint: usize,
         label: usize,
     ) -> Result<()> {
-        let total = self.check_possible(model, position, viewpoint, label)?;
-        let last = self.memory.last(model, position, viewpoint);
-        let likelihoods = model.likelihoods(position, viewpoint, last, label);
-        for (b, p) in self.probabilities.column_mut(position).iter_mut().zip(likelihoods) {
-            *b = *b * p / total;
-        }
-        self.memory.remember(model, position, viewpoint, label);
+        self.check_possible(model, position, viewpoint, label)?;
+        let look = (position, viewpoint, label);
+        condition(model, self.probabilities.as_mut_slice(), &mut self.memory, look);
         Ok(())
     }
 
@@ -196,12 +193,12 @@ impl Belief {
     /// The belt advances (eq. 8): beliefs shift by one position, the last starts from the arrival prior. No object is
     /// where it was: last labels are forgotten.
     pub fn advance(&mut self, model: &SortingModel) {
-        let (_, l) = self.shape();
-        let probabilities = self.probabilities.as_mut_slice();
-        probabilities.copy_within(l.., 0);
-        let behind = probabilities.len() - l;
-        probabilities[behind..].copy_from_slice(model.arrival().as_slice());
-        self.memory.clear();
+        shift(model, self.probabilities.as_mut_slice(), &mut self.memory);
+    }
+
+    /// The last labels.
+    pub(crate) fn memory(&self) -> &Memory {
+        &self.memory
     }
 
     /// Check that this belief has the model's shape.
@@ -219,6 +216,34 @@ impl Belief {
             self.shape()
         ))
     }
+}
+
+/// Bayes' rule (eq. 7) for the label of one position, `(position, viewpoint, label)`, which must be possible.
+#[inline(always)]
+pub(crate) fn condition(
+    model: &SortingModel,
+    probabilities: &mut [f64],
+    memory: &mut Memory,
+    (position, viewpoint, label): (usize, usize, usize),
+) {
+    let l = model.class_count();
+    let distribution = &mut probabilities[position * l..][..l];
+    let likelihoods = model.likelihoods(position, viewpoint, memory.last(model, position, viewpoint), label);
+    let total = evidence(distribution, likelihoods.clone());
+    for (b, p) in distribution.iter_mut().zip(likelihoods) {
+        *b = *b * p / total;
+    }
+    memory.remember(model, position, viewpoint, label);
+}
+
+/// The belt advances (eq. 8).
+#[inline(always)]
+pub(crate) fn shift(model: &SortingModel, probabilities: &mut [f64], memory: &mut Memory) {
+    let l = model.class_count();
+    let behind = probabilities.len() - l;
+    probabilities.copy_within(l.., 0);
+    probabilities[behind..].copy_from_slice(model.arrival().as_slice());
+    memory.clear();
 }
 
 /// `P(z) = sum_c b_c P(z | c)` from the likelihoods of one label.

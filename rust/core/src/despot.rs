@@ -12,66 +12,61 @@
 //!
 //! The optimum of this problem is the value of a policy that can be executed; so with regularisation 0 the
 //! search's lower bound never exceeds V*.
+//!
+//! The action is chosen by a third value, an estimate: the lower bound plus what the default policy is expected to
+//! fall short by ([`shortfall`]). Lower bounds rise where the search has looked deeper; estimates do so only
+//! where looking deeper has found more than it finds on average.
+//!
+//! Leaves are expanded in batches of a fixed size, so that threads share the work without a say in the result.
 
+mod branch;
+mod config;
 mod expand;
+mod explain;
 mod plan;
+mod shortfall;
+mod workspace;
 
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::time::Instant;
 
-use crate::belief::Belief;
+use rayon::prelude::*;
+
+use crate::belief::{Belief, Memory, condition, shift};
 use crate::bounds;
-use crate::error::{Result, argument_error};
-use crate::model::SortingModel;
+use crate::error::Result;
+use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
-use crate::scenario::Scenarios;
-use crate::tree::{Node, Tree};
+use crate::scenario::Randoms;
+use crate::tree::{Node, Values, indices};
 
+pub use config::{Budget, DespotConfig};
+use expand::Expansion;
+pub use explain::{TreeAction, TreeBranch, TreeNode};
 pub use plan::Plan;
+use workspace::{Lease, Pool};
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
 const TARGET_GAP: f64 = 0.95;
 /// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
 const SOLVED: f64 = 1e-10;
-/// More scenarios than any belief needs; they must fit into memory.
-const MOST_SCENARIOS: usize = 1_000_000;
-/// The default depth is where discounting leaves this much of a reward.
-const NEGLIGIBLE: f64 = 0.01;
+/// Leaves chosen before any of them is expanded: work for the threads, and a little less well informed each.
+const BATCH: usize = 32;
 
-/// How long to search.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Budget {
-    /// A number of trials: the plan is a pure function of model, belief, viewpoint and seed.
-    Trials(u64),
-    /// A wall-clock time: the plan depends on the machine.
-    Time(Duration),
-}
-
-/// Settings of the search.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DespotConfig {
-    /// Number of scenarios.
-    pub scenarios: usize,
-    /// Seed of the scenarios.
-    pub seed: u64,
-    /// `lambda` of the DESPOT paper: cost of a policy node, in units of reward.
-    pub regularization: f64,
-    /// Planner steps to look ahead; `None` for as many as matter under the discount.
-    pub depth: Option<usize>,
-}
-
-impl Default for DespotConfig {
-    fn default() -> Self {
-        Self { scenarios: 500, seed: 0, regularization: 0.0, depth: None }
-    }
-}
-
-/// The planner: a model, its default policy and the settings of the search.
+/// The planner: a model, its default policy and the settings of the search. A clone shares memory, not plans.
 #[derive(Debug, Clone)]
 pub struct Despot {
-    model: SortingModel,
+    model: Arc<SortingModel>,
     default_policy: OneObjectPolicy,
     config: DespotConfig,
+    /// Planner steps to look ahead.
     depth: usize,
+    /// Discount down to each depth.
+    discounts: Vec<f64>,
+    /// What the default policy is expected to fall short of the optimum by.
+    shortfall: f64,
+    randoms: Arc<Randoms>,
+    pool: Pool,
 }
 
 impl Despot {
@@ -79,36 +74,22 @@ impl Despot {
     ///
     /// # Errors
     /// [`crate::Error::Argument`] for no scenarios or more than a million, a negative or infinite regularisation,
-    /// depth 0, or so many label vectors (L^H) that they cannot be numbered; [`crate::Error::Model`] for a model beyond
-    /// the paper's.
+    /// depth 0, or so many label vectors (L^H) that they cannot be numbered.
     pub fn new(model: &SortingModel, config: DespotConfig) -> Result<Self> {
-        model.check_plain()?;
-        if !(1..=MOST_SCENARIOS).contains(&config.scenarios) {
-            return argument_error(format!(
-                "scenarios = {}; give between 1 and {MOST_SCENARIOS}, 500 for example",
-                config.scenarios
-            ));
-        }
-        if !(config.regularization.is_finite() && config.regularization >= 0.0) {
-            return argument_error(format!(
-                "regularization = {}; it is a cost per policy node, finite and not negative",
-                config.regularization
-            ));
-        }
-        if config.depth == Some(0) {
-            return argument_error("depth = 0; look at least 1 step ahead, or leave depth out");
-        }
-        if label_vectors(model).is_none() {
-            return argument_error(format!(
-                "{} classes at {} positions give more label vectors than 64 bits can number; plan for fewer positions",
-                model.class_count(),
-                model.position_count()
-            ));
-        }
-        let far = (NEGLIGIBLE.ln() / model.discount().ln()).ceil().clamp(1.0, 1000.0);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped to 1..=1000
-        let depth = config.depth.unwrap_or(far as usize);
-        Ok(Self { model: model.clone(), default_policy: OneObjectPolicy::solve(model), config, depth })
+        config.check(model)?;
+        let depth = config.depth_for(model);
+        let default_policy = OneObjectPolicy::solve(model);
+        let power = |previous: &f64| Some(previous * model.discount());
+        Ok(Self {
+            shortfall: shortfall::expected(model, &default_policy),
+            model: Arc::new(model.clone()),
+            default_policy,
+            depth,
+            discounts: std::iter::successors(Some(1.0), power).take(depth + 2).collect(),
+            randoms: Arc::new(Randoms::new(config.seed, config.scenarios, model.position_count(), depth)),
+            config,
+            pool: Pool::default(),
+        })
     }
 
     /// The model planned for.
@@ -123,148 +104,195 @@ impl Despot {
         &self.config
     }
 
-    /// Plan the next action.
+    /// Plan the next action on this thread.
     ///
     /// # Errors
     /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model, or the budget is zero.
     pub fn plan(&self, belief: &Belief, viewpoint: usize, budget: Budget) -> Result<Plan> {
+        self.search(belief, viewpoint, budget, false)
+    }
+
+    /// Plan the next action with all threads of the current rayon pool: the same plan, sooner.
+    ///
+    /// # Errors
+    /// As [`Despot::plan`].
+    pub fn plan_in_parallel(&self, belief: &Belief, viewpoint: usize, budget: Budget) -> Result<Plan> {
+        self.search(belief, viewpoint, budget, true)
+    }
+
+    fn search(&self, belief: &Belief, viewpoint: usize, budget: Budget, parallel: bool) -> Result<Plan> {
+        let start = Instant::now();
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
-        if matches!(budget, Budget::Trials(0) | Budget::Time(Duration::ZERO)) {
-            return argument_error("the budget is 0; give at least one trial, or a time above 0 seconds");
-        }
-        let mut search = Search::new(self, belief, viewpoint);
-        search.expand(0);
-        while !search.finished(budget) {
-            let path = search.explore();
-            search.tree.back_up(&path);
-            search.trials += 1;
-        }
+        budget.check()?;
+        let mut search = Search {
+            despot: self,
+            space: self.pool.lease(),
+            budget,
+            parallel,
+            start,
+            trials: 0,
+            scenario_steps: 0,
+        };
+        search.run(belief, viewpoint);
         Ok(search.into_plan())
+    }
+
+    /// The factor between a node's own values and the scaled ones of the tree.
+    #[inline(always)]
+    fn scale(&self, node: &Node) -> f64 {
+        node.probability * self.discounts[node.depth]
+    }
+
+    /// A leaf, its values unscaled so far: the default policy's, or at best the upper bound after one policy node.
+    #[inline(always)]
+    fn leaf(&self, mut node: Node, value: f64, upper: f64) -> (Node, Values) {
+        let scale = self.scale(&node);
+        let default = scale * value;
+        node.default = default;
+        let upper = if node.depth < self.depth {
+            default.max(scale * upper - self.config.regularization)
+        } else {
+            default
+        };
+        (node, Values { lower: default, upper, estimate: (default + scale * self.shortfall).min(upper) })
     }
 }
 
-/// L^H, the number of outcomes of a scan, if it can be counted.
-fn label_vectors(model: &SortingModel) -> Option<u64> {
-    (model.class_count() as u64).checked_pow(u32::try_from(model.position_count()).ok()?)
+/// What is known after an action from a node's parent and the labels that lead to the node.
+#[inline(always)]
+fn follow(model: &SortingModel, belief: &mut [f64], memory: &mut Memory, action: Action, node: &Node) {
+    let decided = matches!(action, Action::Decide(_));
+    if decided {
+        shift(model, belief, memory);
+    }
+    if !decided || model.observes_after_decision() {
+        for (j, z) in node.seen(model).enumerate() {
+            condition(model, belief, memory, (j, node.viewpoint, z));
+        }
+    }
 }
 
 /// One search in progress.
 struct Search<'a> {
     despot: &'a Despot,
-    scenarios: Scenarios,
-    tree: Tree,
+    space: Lease,
+    budget: Budget,
+    parallel: bool,
     start: Instant,
     trials: u64,
-    expansions: u64,
     scenario_steps: u64,
 }
 
-impl<'a> Search<'a> {
-    fn new(despot: &'a Despot, belief: &Belief, viewpoint: usize) -> Self {
-        let start = Instant::now();
-        let DespotConfig { scenarios, seed, .. } = despot.config;
-        let mut search = Self {
-            despot,
-            scenarios: Scenarios::sample(belief, scenarios, seed),
-            tree: Tree::default(),
-            start,
-            trials: 0,
-            expansions: 0,
-            scenario_steps: 0,
-        };
-        #[allow(clippy::cast_possible_truncation)] // checked in Despot::new
-        let all = (0..scenarios as u32).collect();
-        let place = NodePlace { depth: 0, decisions: 0, viewpoint, probability: 1.0 };
-        let value = bounds::lower(&despot.model, &despot.default_policy, belief.as_slice(), viewpoint);
-        let root = search.node(place, belief.as_slice().to_vec(), all, value);
-        search.tree.nodes.push(root);
-        search
+impl Search<'_> {
+    fn run(&mut self, belief: &Belief, viewpoint: usize) {
+        self.begin(belief, viewpoint);
+        while !self.finished() {
+            let trials = self.choose_leaves();
+            self.expand_leaves(trials, |search| !search.out_of_time());
+            self.trials += self.attach_expansions(trials);
+        }
     }
 
-    fn finished(&self, budget: Budget) -> bool {
-        self.tree.nodes[0].gap() < SOLVED * self.despot.model.spec().r_max
-            || match budget {
-                Budget::Trials(trials) => self.trials >= trials,
-                Budget::Time(time) => self.start.elapsed() >= time,
+    /// The root, expanded whatever the budget says.
+    fn begin(&mut self, belief: &Belief, viewpoint: usize) {
+        let Despot { model, default_policy, randoms, .. } = self.despot;
+        let root = Node { viewpoint, probability: 1.0, ..Node::default() };
+        let lower = bounds::lower(model, default_policy, belief.as_slice(), viewpoint);
+        let upper = bounds::upper(model, belief.as_slice(), viewpoint);
+        let root = self.despot.leaf(root, lower, upper);
+        randoms.reach(0, self.parallel);
+        self.space.restart(model, randoms, belief, root);
+        self.space.choose(0, 0);
+        self.expand_leaves(1, |_| true);
+        self.attach_expansions(1);
+    }
+
+    fn finished(&self) -> bool {
+        self.space.tree.values[0].gap() < SOLVED * self.despot.model.spec().r_max || self.allowed() == 0
+    }
+
+    fn out_of_time(&self) -> bool {
+        matches!(self.budget, Budget::Time(time) if self.start.elapsed() >= time)
+    }
+
+    /// Trials that the budget still allows for, at most a batch.
+    fn allowed(&self) -> usize {
+        match self.budget {
+            Budget::Trials(trials) => usize::try_from(trials - self.trials).unwrap_or(BATCH).min(BATCH),
+            Budget::Time(_) if self.out_of_time() => 0,
+            Budget::Time(_) => BATCH,
+        }
+    }
+
+    /// Choose the leaves of the next trials; until they are expanded each counts as settled, so that the others
+    /// lie elsewhere.
+    fn choose_leaves(&mut self) -> usize {
+        for index in 0..self.allowed() {
+            if self.space.tree.values[0].gap() <= 0.0 {
+                return index;
             }
+            let leaf = self.explore();
+            self.space.choose(index, leaf);
+        }
+        self.allowed()
     }
 
-    /// One trial: follow the most promising action and the most uncertain label until nothing is left to gain.
-    fn explore(&mut self) -> Vec<(usize, usize)> {
-        let mut path = Vec::new();
+    /// One trial: follow the most promising action and the most uncertain label down to a leaf.
+    fn explore(&self) -> usize {
+        let tree = &self.space.tree;
         let mut node = 0;
-        loop {
-            if self.tree.nodes[node].is_leaf() {
-                self.expand(node);
-            }
-            let edge = self.tree.most_promising_edge(node);
-            path.push((node, edge));
-            match self.most_uncertain_child(edge) {
-                Some(child) => node = child,
-                None => return path,
+        while !tree.nodes[node].edges.is_empty() {
+            node = self.most_uncertain(indices(&tree.most_promising_edge(node).children));
+        }
+        node
+    }
+
+    /// The child with the largest excess uncertainty: its gap beyond its share of the root's target gap.
+    fn most_uncertain(&self, children: std::ops::Range<usize>) -> usize {
+        let tree = &self.space.tree;
+        let target = TARGET_GAP * tree.values[0].gap();
+        let excess = |child: usize| tree.values[child].gap() - tree.nodes[child].probability * target;
+        let mut best = (children.start, f64::NEG_INFINITY);
+        for child in children {
+            let excess = excess(child);
+            if excess > best.1 {
+                best = (child, excess);
             }
         }
+        best.0
     }
 
-    /// The child with the largest excess uncertainty, if any is above 0 and may be looked into.
-    fn most_uncertain_child(&self, edge: usize) -> Option<usize> {
-        let root_gap = self.tree.nodes[0].gap();
-        let excess = |node: &Node| node.gap() - node.probability * TARGET_GAP * root_gap;
-        self.tree.edges[edge]
-            .children
-            .clone()
-            .map(|child| (child, excess(&self.tree.nodes[child])))
-            .filter(|(child, excess)| *excess > 0.0 && self.tree.nodes[*child].depth < self.despot.depth)
-            .fold(None, |best: Option<(usize, f64)>, next| match best {
-                Some(best) if best.1 >= next.1 => Some(best),
-                _ => Some(next),
-            })
-            .map(|(child, _)| child)
-    }
-
-    /// A leaf with its initial bounds: the default policy, or at best the upper bound after one policy node.
-    fn node(&self, place: NodePlace, belief: Vec<f64>, scenarios: Vec<u32>, default_value: f64) -> Node {
-        let Despot { model, config, depth: limit, .. } = self.despot;
-        let scale = place.scale(model);
-        let default = scale * default_value;
-        let upper = if place.depth < *limit {
-            default.max(scale * bounds::upper(model, &belief, place.viewpoint) - config.regularization)
-        } else {
-            default
+    /// Expand the chosen leaves, each on its own; a leaf that there is no more time for stays one.
+    fn expand_leaves(&mut self, trials: usize, in_time: impl Fn(&Self) -> bool + Sync) {
+        let Despot { model, randoms, .. } = self.despot;
+        self.space.require_labels(model, randoms, trials, self.parallel);
+        let mut expansions = std::mem::take(&mut self.space.expansions);
+        let expand = |expansion: &mut Expansion| {
+            if in_time(self) {
+                expansion.run(self.despot, &self.space);
+            }
         };
-        let NodePlace { depth, decisions, viewpoint, probability } = place;
-        Node {
-            depth,
-            decisions,
-            viewpoint,
-            belief,
-            scenarios,
-            probability,
-            default,
-            lower: default,
-            upper,
-            edges: 0..0,
+        if self.parallel {
+            expansions[..trials].par_iter_mut().for_each(expand);
+        } else {
+            expansions[..trials].iter_mut().for_each(expand);
         }
+        self.space.expansions = expansions;
     }
-}
 
-/// Where a node stands in the tree.
-#[derive(Clone, Copy)]
-struct NodePlace {
-    depth: usize,
-    decisions: usize,
-    viewpoint: usize,
-    probability: f64,
-}
-
-impl NodePlace {
-    /// The factor between a node's own values and the scaled ones of the tree.
-    fn scale(&self, model: &SortingModel) -> f64 {
-        // Depths are at most a few thousand.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)]
-        let discount = model.discount().powi(self.depth as i32);
-        self.probability * discount
+    /// Put what was made into the tree, in the order in which it was chosen; the number of trials done.
+    fn attach_expansions(&mut self, trials: usize) -> u64 {
+        let model = &self.despot.model;
+        let mut done = 0;
+        for index in 0..trials {
+            if let Some(scenarios) = self.space.attach(index) {
+                let viewpoint = self.space.tree.nodes[self.space.expansions[index].leaf].viewpoint;
+                self.scenario_steps += scenarios * model.legal_moves(viewpoint).len() as u64;
+                done += 1;
+            }
+        }
+        done
     }
 }
 

@@ -9,6 +9,7 @@ mod despot;
 mod error;
 mod model;
 mod one_object;
+mod planes;
 mod policy;
 mod reference;
 mod sampling;
@@ -19,7 +20,7 @@ mod testing;
 mod tree;
 
 pub use belief::Belief;
-pub use despot::{Budget, Despot, DespotConfig, Plan};
+pub use despot::{Budget, Despot, DespotConfig, Plan, TreeAction, TreeBranch, TreeNode};
 pub use error::{Error, Result};
 pub use model::{Action, ModelSpec, ScalarOrMatrix, SortingModel, Tables};
 pub use one_object::OneObjectPolicy;

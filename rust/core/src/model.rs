@@ -119,7 +119,7 @@ impl SortingModel {
         self.spec.observe_after_decision
     }
 
-    /// Refuse what goes beyond the paper's model, for those who cannot plan for it.
+    /// Refuse what goes beyond the paper's model, for those whose proofs do not cover it.
     ///
     /// # Errors
     /// [`crate::Error::Model`] naming the key.
@@ -131,8 +131,8 @@ impl SortingModel {
         ];
         match beyond.iter().find(|(_, used)| *used) {
             Some((key, _)) => model_error(format!(
-                "{key} is set, which Despot and solve do not plan for; leave it out, or evaluate Threshold, \
-                 InformationGain or a policy of your own"
+                "{key} is set, which solve has no proof for; leave it out, or plan with Despot, Threshold or \
+                 InformationGain"
             )),
             None => Ok(()),
         }

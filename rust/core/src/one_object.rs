@@ -26,26 +26,15 @@ pub struct OneObjectPolicy {
     arrival_values: Vec<f64>,
 }
 
-/// What a chosen plan is worth at one belief: its gain, and its discount into each group.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Stage {
-    pub gain: f64,
-    pub discount_to: Vec<f64>,
-}
-
-impl Stage {
-    pub(crate) fn value(&self, continuation: &[f64]) -> f64 {
-        self.gain + dot(&self.discount_to, continuation)
-    }
-}
-
 impl OneObjectPolicy {
     /// Number of viewpoint groups.
+    #[inline(always)]
     pub(crate) fn group_count(&self) -> usize {
         self.plans.len()
     }
 
     /// Group of a viewpoint.
+    #[inline(always)]
     pub(crate) fn group(&self, viewpoint: usize) -> usize {
         self.group_of[viewpoint]
     }
@@ -61,18 +50,14 @@ impl OneObjectPolicy {
     }
 
     /// The best plan for one object from a group, given what follows it.
+    #[inline(always)]
     pub(crate) fn best(&self, group: usize, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
         self.plans[group].best(belief, continuation)
     }
 
-    /// The best plan's worth, split into gain and discounts.
-    pub(crate) fn stage(&self, group: usize, belief: &[f64], continuation: &[f64]) -> Stage {
-        let (plan, _) = self.best(group, belief, continuation);
-        Stage { gain: plan.gain_at(belief), discount_to: plan.discounts_at(belief).collect() }
-    }
-
     /// Value of what follows the object at the belt end, per group: the objects behind it, each by the best plan
     /// for what is known of it *now*. `belief` holds one distribution per position.
+    #[inline(always)]
     fn continuation(&self, belief: &[f64], classes: usize) -> Vec<f64> {
         let mut worth = self.arrival_values.clone();
         for position in belief.chunks_exact(classes).skip(1).rev() {
@@ -85,6 +70,7 @@ impl OneObjectPolicy {
     ///
     /// `G(b^1) + D(b^1) (G(b^2) + D(b^2) (... + D(b^H) V_1(arrival)))`: exact for that policy, because the labels
     /// it ignores are independent of those it uses. A lower bound of V* for any H.
+    #[inline(always)]
     pub(crate) fn value(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> f64 {
         let l = model.class_count();
         self.best(self.group(viewpoint), &belief[..l], &self.continuation(belief, l)).1
@@ -112,6 +98,7 @@ impl OneObjectPolicy {
     }
 }
 
+#[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -1,93 +1,230 @@
 //! Scenarios: what would happen, sampled beforehand.
 //!
-//! A scenario fixes the classes of the objects in the order of the belt and a stream of observation randoms per
-//! depth. No state is ever copied: a node of the search knows its scenarios by index.
+//! A scenario fixes the classes of the objects in the order of the belt and a random per (depth, position) that
+//! decides a label by inversion. No state is ever copied: a set of scenarios is a bit plane, and the scenarios of a
+//! node that give label z at a position are the node's plane AND the plane of z.
 
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use std::sync::OnceLock;
+
+use rand::Rng;
 use rayon::prelude::*;
 
-use crate::belief::Belief;
 use crate::model::SortingModel;
-use crate::sampling::{Purpose, invert, label, stream};
+use crate::planes;
+use crate::sampling::{Purpose, stream};
 
-/// Streams drawn by one task; fewer are not worth the hand-over to another thread.
-const STREAMS_PER_TASK: usize = 512;
+/// Depths whose randoms are drawn together.
+const DEPTHS: usize = 16;
 
-/// A set of scenarios, drawn depth by depth as the search goes deeper.
-pub(crate) struct Scenarios {
-    streams: Vec<Stream>,
+/// The randoms of every scenario, drawn when a search first gets as deep; functions of the seed alone.
+///
+/// Scenario i has a stream of its own, so its randoms depend on neither the number of scenarios nor threads.
+#[derive(Debug)]
+pub(crate) struct Randoms {
+    seed: u64,
+    count: usize,
     positions: usize,
-    depth: usize,
+    /// A row for the class of each object that is visible at the root.
+    visible: OnceLock<Rows>,
+    /// Blocks of [`DEPTHS`] depths; per depth a row for the class of one more object, and one per position for its
+    /// label.
+    blocks: Vec<OnceLock<Rows>>,
 }
 
-/// One scenario: its random stream and all that has been drawn from it.
-struct Stream {
-    rng: ChaCha8Rng,
-    /// The class of the n-th object on the belt, the one at the belt end first.
-    classes: Vec<usize>,
-    /// The uniform behind the label of position j at depth d: entry `d * H + j`.
-    uniforms: Vec<f64>,
-}
+/// Rows of randoms, an entry per scenario, padded to whole words of a plane.
+type Rows = Vec<Vec<u32>>;
 
-impl Scenarios {
-    /// Draw the visible objects of `count` scenarios from a belief. Scenario i depends on `seed` and i alone.
-    pub(crate) fn sample(belief: &Belief, count: usize, seed: u64) -> Self {
-        let (positions, _) = belief.shape();
-        let draw = |index: usize| {
-            let mut rng = stream(seed, Purpose::Scenario, index as u64);
-            let classes =
-                (0..positions).map(|j| invert(belief.position(j).iter(), rng.random::<f64>())).collect();
-            Stream { rng, classes, uniforms: Vec::new() }
-        };
-        let streams = (0..count).into_par_iter().with_min_len(STREAMS_PER_TASK).map(draw).collect();
-        Self { streams, positions, depth: 0 }
+impl Randoms {
+    /// Randoms of `count` scenarios down to `depth`.
+    pub(crate) fn new(seed: u64, count: usize, positions: usize, depth: usize) -> Self {
+        let blocks = std::iter::repeat_with(OnceLock::new).take(depth.div_ceil(DEPTHS) + 1).collect();
+        Self { seed, count, positions, visible: OnceLock::new(), blocks }
     }
 
-    /// Draw what is needed to observe at `depth`: one more object, and one uniform per position, for each depth.
-    pub(crate) fn reach(&mut self, model: &SortingModel, depth: usize) {
-        let positions = self.positions;
-        while self.depth <= depth {
-            self.streams.par_iter_mut().with_min_len(STREAMS_PER_TASK).for_each(|s| {
-                s.classes.push(invert(model.arrival().iter(), s.rng.random::<f64>()));
-                s.uniforms.extend((0..positions).map(|_| s.rng.random::<f64>()));
-            });
-            self.depth += 1;
+    /// Number of scenarios.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Draw what is needed to observe at `depth`.
+    pub(crate) fn reach(&self, depth: usize, parallel: bool) {
+        let per_block = DEPTHS * (self.positions + 1);
+        self.ready(&self.visible, 0, self.positions, parallel);
+        for (index, block) in self.blocks.iter().enumerate().take(depth / DEPTHS + 1) {
+            self.ready(block, self.positions + index * per_block, per_block, parallel);
         }
     }
 
-    /// The label of every position that a scan gives, as one number: see [`labels`].
-    pub(crate) fn label_code(&self, model: &SortingModel, scenario: usize, at: ScanPoint) -> u64 {
-        let stream = &self.streams[scenario];
-        let uniforms = &stream.uniforms[at.depth * self.positions..][..self.positions];
-        let positions = stream.classes[at.decisions..].iter().zip(uniforms).enumerate();
-        positions.fold(0, |code, (j, (&class, &u))| {
-            code * model.class_count() as u64 + label(model, j, at.viewpoint, None, class, u) as u64
-        })
+    /// Nothing is locked while drawing: two threads may draw the same rows, and one of them wins.
+    fn ready(&self, rows: &OnceLock<Rows>, from: usize, count: usize, parallel: bool) {
+        if rows.get().is_none() {
+            let _ = rows.set(self.draw(from, count, parallel));
+        }
+    }
+
+    /// Randoms `from..from + count` of every stream, as rows.
+    fn draw(&self, from: usize, count: usize, parallel: bool) -> Rows {
+        let scenario = |index: usize| -> Vec<u32> {
+            let mut rng = stream(self.seed, Purpose::Scenario, index as u64);
+            rng.set_word_pos(from as u128);
+            (0..count).map(|_| rng.next_u32()).collect()
+        };
+        let drawn: Vec<Vec<u32>> = if parallel {
+            (0..self.count).into_par_iter().map(scenario).collect()
+        } else {
+            (0..self.count).map(scenario).collect()
+        };
+        let padded = planes::words(self.count) * planes::LANES;
+        let entry = |row: usize, i: usize| drawn.get(i).map_or(u32::MAX, |scenario| scenario[row]);
+        (0..count).map(|row| (0..padded).map(|i| entry(row, i)).collect()).collect()
+    }
+
+    /// The randoms behind the class of the n-th object on the belt.
+    fn class(&self, object: usize) -> &[u32] {
+        match object.checked_sub(self.positions) {
+            None => row(&self.visible, object),
+            Some(depth) => self.at(depth, 0),
+        }
+    }
+
+    /// The randoms behind the labels of a position at a depth.
+    fn label(&self, depth: usize, position: usize) -> &[u32] {
+        self.at(depth, 1 + position)
+    }
+
+    fn at(&self, depth: usize, index: usize) -> &[u32] {
+        row(&self.blocks[depth / DEPTHS], depth % DEPTHS * (self.positions + 1) + index)
     }
 }
 
-/// The labels behind a code: its digits in base L, the belt end's first.
-pub(crate) fn labels(model: &SortingModel, mut code: u64) -> Vec<usize> {
-    let base = model.class_count() as u64;
-    let mut labels = vec![0; model.position_count()];
-    for label in labels.iter_mut().rev() {
-        // A digit is below L, which is a usize.
-        #[allow(clippy::cast_possible_truncation)]
-        let digit = (code % base) as usize;
-        *label = digit;
-        code /= base;
-    }
-    labels
+/// A row that [`Randoms::reach`] has drawn.
+fn row(rows: &OnceLock<Rows>, index: usize) -> &[u32] {
+    rows.get().map_or(&[], |rows| &rows[index])
 }
 
-/// Where in a scenario a scan is taken.
+/// A look at one position, in all scenarios.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ScanPoint {
+pub(crate) struct LookPoint {
     /// Planner steps since the root.
     pub(crate) depth: usize,
     /// Decisions since the root.
     pub(crate) decisions: usize,
     /// Where the camera stands.
     pub(crate) viewpoint: usize,
+    /// Belt position looked at.
+    pub(crate) position: usize,
+    /// The label that it gave from there before, if the model can repeat it.
+    pub(crate) last: Option<usize>,
+}
+
+/// Which scenarios give which label: a plane per label for every look that the search has needed so far.
+#[derive(Debug, Default)]
+pub(crate) struct LabelPlanes {
+    words: usize,
+    classes: usize,
+    /// Per object: the plane of each class.
+    objects: Vec<Vec<u64>>,
+    /// First word of the look's planes, by [`LabelPlanes::key`]; [`ABSENT`] where there are none yet.
+    index: Vec<usize>,
+    labels: Vec<u64>,
+}
+
+const ABSENT: usize = usize::MAX;
+
+impl LabelPlanes {
+    /// Start a search from a belief, with one distribution per position.
+    pub(crate) fn restart(&mut self, model: &SortingModel, randoms: &Randoms, belief: &[f64]) {
+        (self.words, self.classes) = (planes::words(randoms.count), model.class_count());
+        self.objects.clear();
+        self.index.clear();
+        self.labels.clear();
+        for (object, distribution) in belief.chunks_exact(self.classes).enumerate() {
+            let planes = self.class_planes(randoms.class(object), distribution);
+            self.objects.push(planes);
+        }
+    }
+
+    /// Make the planes of a look, if they are not there; the randoms must reach its depth.
+    pub(crate) fn require(&mut self, model: &SortingModel, randoms: &Randoms, at: LookPoint) {
+        let key = Self::key(model, at);
+        if key >= self.index.len() {
+            self.index.resize(key + 1, ABSENT);
+        }
+        if self.index[key] != ABSENT {
+            return;
+        }
+        let object = at.decisions + at.position;
+        while self.objects.len() <= object {
+            let planes = self.class_planes(randoms.class(self.objects.len()), model.arrival().as_slice());
+            self.objects.push(planes);
+        }
+        self.index[key] = self.labels.len();
+        self.labels.resize(self.labels.len() + self.classes * self.words, 0);
+        self.label_planes(model, randoms, at, self.index[key]);
+    }
+
+    /// The scenarios in which a look gives a label.
+    pub(crate) fn label(&self, model: &SortingModel, at: LookPoint, label: usize) -> &[u64] {
+        &self.labels[self.index[Self::key(model, at)] + label * self.words..][..self.words]
+    }
+
+    /// Looks are numbered depth by depth: at depth d there have been 0 to d decisions, or d + 1 if the scan follows
+    /// one.
+    fn key(model: &SortingModel, at: LookPoint) -> usize {
+        let step = at.depth * (at.depth + 3) / 2 + at.decisions;
+        let look = (step * model.viewpoint_count() + at.viewpoint) * model.position_count() + at.position;
+        if model.ever_repeats() {
+            look * (model.class_count() + 1) + at.last.map_or(0, |label| label + 1)
+        } else {
+            look
+        }
+    }
+
+    /// The plane of each class of an object with this distribution.
+    fn class_planes(&self, randoms: &[u32], distribution: &[f64]) -> Vec<u64> {
+        let mut planes = vec![0; self.classes * self.words];
+        let everywhere = vec![u64::MAX; self.words];
+        pulp::Arch::new()
+            .dispatch(|| add_inverted(randoms, distribution.iter().copied(), &everywhere, &mut planes));
+        planes
+    }
+
+    fn label_planes(&mut self, model: &SortingModel, randoms: &Randoms, at: LookPoint, first: usize) {
+        let object = &self.objects[at.decisions + at.position];
+        let uniforms = randoms.label(at.depth, at.position);
+        let planes = &mut self.labels[first..];
+        pulp::Arch::new().dispatch(|| {
+            for (class, plane) in object.chunks_exact(self.words).enumerate() {
+                let labels = model.label_distribution(at.position, at.viewpoint, at.last, class);
+                add_inverted(uniforms, labels, plane, planes);
+            }
+        });
+    }
+}
+
+/// Add to the plane of each outcome the scenarios of `among` whose random selects it by inversion.
+#[inline(always)]
+fn add_inverted(randoms: &[u32], distribution: impl Iterator<Item = f64>, among: &[u64], planes: &mut [u64]) {
+    let mut left = among.to_vec();
+    let mut below = vec![0; among.len()];
+    let mut cumulated = 0.0;
+    for (p, plane) in distribution.zip(planes.chunks_exact_mut(among.len())) {
+        cumulated += p;
+        if p > 0.0 {
+            planes::below(randoms, threshold(cumulated), &mut below);
+            for ((plane, left), below) in plane.iter_mut().zip(&mut left).zip(&below) {
+                *plane |= *left & below;
+                *left &= !below;
+            }
+        }
+    }
+}
+
+/// A probability in units of 2^-32. What rounding leaves of 1 belongs to the last outcome.
+fn threshold(cumulated: f64) -> u64 {
+    const NEARLY_ONE: f64 = 1.0 - 1e-9;
+    let scale = (1_u64 << 32) as f64;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 0 and 2^32
+    let threshold = (cumulated * scale).round() as u64;
+    if cumulated > NEARLY_ONE { 1 << 32 } else { threshold }
 }

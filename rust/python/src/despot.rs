@@ -34,7 +34,7 @@ use crate::plan::PyPlan;
 /// seed : int
 ///     Seed of the scenarios.
 /// threads : int, optional
-///     Threads to use; all cores if missing. More than that gain nothing.
+///     Threads that share the work of a plan; all cores if missing. More than that gain nothing.
 /// seconds : float, optional
 ///     Wall-clock budget of a plan in seconds, 0.01 if neither budget is given. Ctrl-C waits for its end.
 /// trials : int, optional
@@ -71,12 +71,16 @@ pub struct PyDespot {
 }
 
 impl PyDespot {
-    /// Plan with the GIL released, in this planner's own threads if it has any.
+    /// Plan with the GIL released, in this planner's own threads if it was given a number of them.
     fn search(&self, py: Python<'_>, belief: &Belief, viewpoint: usize, budget: Budget) -> PyResult<Plan> {
-        let plan = || self.planner.despot.plan(belief, viewpoint, budget);
+        let despot = &self.planner.despot;
+        let plan = || match rayon::current_num_threads() {
+            1 => despot.plan(belief, viewpoint, budget),
+            _ => despot.plan_in_parallel(belief, viewpoint, budget),
+        };
         let plan_in_pool = || match &self.pool {
             Some(pool) => pool.install(plan),
-            None => plan(),
+            None => rayon::scope(|_| plan()),
         };
         py.detach(|| outside_pools(plan_in_pool)).map_err(to_python)
     }

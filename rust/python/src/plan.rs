@@ -18,8 +18,7 @@ impl PyPlan {
         actions::to_python(py, self.0.action)
     }
 
-    /// Value of every legal action, as far as the search knows it from below: dict of `Move` or `Decide` to
-    /// float.
+    /// Estimated value of every legal action: dict of `Move` or `Decide` to float.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let values = PyDict::new(py);
@@ -42,9 +41,9 @@ impl PyPlan {
     }
 
     /// Lower bound of V*, the optimal value of the model itself: what a policy that can be executed earns
-    /// from here.
+    /// from here; None if the model repeats looks.
     #[getter]
-    fn certified_lower(&self) -> f64 {
+    fn certified_lower(&self) -> Option<f64> {
         self.0.certified_lower
     }
 

@@ -7,7 +7,7 @@ use crate::error::{Result, argument_error};
 use crate::model::SortingModel;
 
 /// Last labels; see [`SortingModel::likelihood`].
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub(crate) struct Memory {
     /// Entry `position * K + viewpoint`; no entries for a model that never repeats.
     labels: Vec<Option<usize>>,

@@ -1,83 +1,124 @@
-//! Expanding a leaf: all its actions, and a child per label vector that its scenarios give.
+//! Expanding a leaf: all its actions, each with its children.
 
-use super::{NodePlace, Search};
-use crate::belief::most_likely;
-use crate::bounds::{self, Look};
+use super::branch::{Brancher, Scan};
+use super::workspace::Workspace;
+use super::{Despot, follow};
+use crate::belief::{Memory, most_likely, shift};
+use crate::bounds;
 use crate::model::Action;
-use crate::scenario::{ScanPoint, labels};
-use crate::tree::Node;
+use crate::planes;
+use crate::tree::{Edge, Node, Values, id};
 
-impl Search<'_> {
-    /// Generate every action of a leaf.
-    pub(super) fn expand(&mut self, leaf: usize) {
-        let model = &self.despot.model;
-        let node = self.tree.nodes[leaf].clone();
-        self.scenarios.reach(model, node.depth);
-        let mut actions = vec![self.decide(&node)];
-        for &to in model.legal_moves(node.viewpoint) {
-            actions.push(self.move_to(&node, to));
-            self.scenario_steps += node.scenarios.len() as u64;
-        }
-        self.expansions += 1;
-        self.tree.attach(leaf, actions);
+/// What expanding one leaf made, in buffers that are reused; nothing of it is in the tree yet.
+#[derive(Debug, Default)]
+pub(super) struct Expansion {
+    /// The leaf, and its values before it was chosen.
+    pub leaf: usize,
+    pub values: Values,
+    /// Whether the time sufficed.
+    pub done: bool,
+    /// What is known at the leaf: its exact belief, one distribution per position, and the last labels.
+    pub belief: Vec<f64>,
+    pub memory: Memory,
+    /// Plane of the scenarios that pass through it.
+    pub scenarios: Vec<u64>,
+    /// Children of an edge are a range of `children`.
+    pub edges: Vec<Edge>,
+    pub children: Vec<(Node, Values)>,
+    /// What is known once the belt has advanced.
+    advanced: (Vec<f64>, Memory),
+    brancher: Brancher,
+}
+
+impl Expansion {
+    /// Expand `self.leaf`.
+    pub(super) fn run(&mut self, despot: &Despot, space: &Workspace) {
+        self.edges.clear();
+        self.children.clear();
+        let node = space.tree.nodes[self.leaf].clone();
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                self.arrive(despot, space, &node);
+                self.decide(despot, space, &node);
+                for &to in despot.model.legal_moves(node.viewpoint) {
+                    self.move_to(despot, space, &node, to);
+                }
+            },
+        );
+        self.done = true;
     }
 
-    /// Decide the most likely label: one child, the belt advanced, nothing observed.
-    fn decide(&self, node: &Node) -> (Action, f64, Vec<Node>) {
-        let model = &self.despot.model;
-        let l = model.class_count();
-        let (label, p_right) = most_likely(&node.belief[..l]);
-        let belief = [&node.belief[l..], model.arrival().as_slice()].concat();
-        let place = NodePlace {
-            depth: node.depth + 1,
-            decisions: node.decisions + 1,
-            viewpoint: node.viewpoint,
-            probability: node.probability,
+    /// Belief and scenarios of the leaf, from its parent's.
+    #[inline(always)]
+    fn arrive(&mut self, despot: &Despot, space: &Workspace, node: &Node) {
+        self.belief.clear();
+        self.scenarios.clear();
+        let Some(edge) = node.parent else {
+            self.belief.extend(&space.root.0);
+            self.memory.clone_from(&space.root.1);
+            self.scenarios.extend(planes::first(despot.config.scenarios));
+            return;
         };
-        let reward = self.scale(node) * model.decision_reward(p_right) - self.despot.config.regularization;
-        let value = bounds::lower(model, &self.despot.default_policy, &belief, node.viewpoint);
-        (Action::Decide(label), reward, vec![self.node(place, belief, node.scenarios.clone(), value)])
-    }
-
-    /// Move and scan: a child per label vector that a scenario gives; the other label vectors follow the default
-    /// policy.
-    fn move_to(&self, node: &Node, to: usize) -> (Action, f64, Vec<Node>) {
-        let model = &self.despot.model;
-        let look = Look::new(model, &self.despot.default_policy, &node.belief, to);
-        let mut without_branch = look.value();
-        let mut children = Vec::new();
-        for (labels, scenarios) in self.branches(node, to) {
-            let probability = look.probability(&labels);
-            let value = look.value_after(&labels);
-            without_branch -= probability * value;
-            let place = NodePlace {
-                depth: node.depth + 1,
-                decisions: node.decisions,
-                viewpoint: to,
-                probability: node.probability * probability,
-            };
-            children.push(self.node(place, look.posterior(&labels), scenarios, value));
+        let edge = &space.tree.edges[edge as usize];
+        let parent = &space.tree.nodes[edge.node as usize];
+        let (belief, memory, scenarios) = space.expanded(parent.expansion);
+        self.belief.extend(belief);
+        self.memory.clone_from(memory);
+        self.scenarios.extend(scenarios);
+        if let Some(scan) = Scan::of(&despot.model, parent, edge.action) {
+            let before = if matches!(edge.action, Action::Decide(_)) { &Memory::default() } else { memory };
+            for (j, z) in node.seen(&despot.model).enumerate() {
+                let plane = space.labels.label(&despot.model, scan.look(&despot.model, before, j), z);
+                for (word, plane) in self.scenarios.iter_mut().zip(plane) {
+                    *word &= plane;
+                }
+            }
         }
-        let step = -model.motion_cost(node.viewpoint, to) + model.discount() * without_branch;
-        let reward = self.scale(node) * step - self.despot.config.regularization;
-        (Action::Move(to), reward, children)
+        follow(&despot.model, &mut self.belief, &mut self.memory, edge.action, node);
     }
 
-    /// The node's scenarios, by the labels they give to a scan from `viewpoint`; in the order of the labels.
-    fn branches(&self, node: &Node, viewpoint: usize) -> Vec<(Vec<usize>, Vec<u32>)> {
-        let model = &self.despot.model;
-        let at = ScanPoint { depth: node.depth, decisions: node.decisions, viewpoint };
-        let code = |scenario: u32| self.scenarios.label_code(model, scenario as usize, at);
-        let mut coded: Vec<(u64, u32)> = node.scenarios.iter().map(|&i| (code(i), i)).collect();
-        coded.sort_unstable();
-        coded
-            .chunk_by(|a, b| a.0 == b.0)
-            .map(|branch| (labels(model, branch[0].0), branch.iter().map(|(_, i)| *i).collect()))
-            .collect()
+    /// Decide the most likely label and advance the belt; if a scan follows, see what it gives.
+    #[inline(always)]
+    fn decide(&mut self, despot: &Despot, space: &Workspace, node: &Node) {
+        let model = &despot.model;
+        let (label, p_right) = most_likely(&self.belief[..model.class_count()]);
+        let action = Action::Decide(label);
+        let (belief, memory) = &mut self.advanced;
+        belief.clone_from(&self.belief);
+        memory.clone_from(&self.memory);
+        shift(model, belief, memory);
+        let reward = model.decision_reward(p_right);
+        let first = self.children.len();
+        let fixed = if let Some(scan) = Scan::of(model, node, action) {
+            self.brancher.take(despot, belief, memory, &scan);
+            self.brancher.branch(despot, space, (node, &scan, memory, &self.scenarios), &mut self.children);
+            self.brancher.fixed(despot, node, reward + scan.bonus(model, belief, memory))
+        } else {
+            let below =
+                Node { depth: node.depth + 1, decisions: node.decisions + 1, labels: 0, ..node.clone() };
+            let value = bounds::lower(model, &despot.default_policy, belief, node.viewpoint);
+            self.children.push(despot.leaf(below, value, bounds::upper(model, belief, node.viewpoint)));
+            Values::all(despot.scale(node) * reward - despot.config.regularization)
+        };
+        self.edge(action, fixed, first);
     }
 
-    fn scale(&self, node: &Node) -> f64 {
-        let Node { depth, decisions, viewpoint, probability, .. } = *node;
-        NodePlace { depth, decisions, viewpoint, probability }.scale(&self.despot.model)
+    /// Move and scan.
+    #[inline(always)]
+    fn move_to(&mut self, despot: &Despot, space: &Workspace, node: &Node, to: usize) {
+        let model = &despot.model;
+        let scan = Scan { depth: node.depth, decisions: node.decisions, viewpoint: to };
+        let reward = scan.bonus(model, &self.belief, &self.memory) - model.motion_cost(node.viewpoint, to);
+        let first = self.children.len();
+        self.brancher.take(despot, &self.belief, &self.memory, &scan);
+        self.brancher.branch(despot, space, (node, &scan, &self.memory, &self.scenarios), &mut self.children);
+        let fixed = self.brancher.fixed(despot, node, reward);
+        self.edge(Action::Move(to), fixed, first);
+    }
+
+    fn edge(&mut self, action: Action, fixed: Values, first: usize) {
+        let children = id(first)..id(self.children.len());
+        self.edges.push(Edge { action, node: id(self.leaf), fixed, values: fixed, children });
     }
 }

@@ -1,24 +1,27 @@
 //! What a search found.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use super::Search;
+use super::workspace::Lease;
+use super::{Despot, Search};
 use crate::bounds;
-use crate::model::Action;
+use crate::model::{Action, SortingModel};
+use crate::tree::Edge;
 
-/// The outcome of planning.
-#[derive(Debug, Clone, PartialEq)]
+/// The outcome of planning. It keeps the searched tree, and gives the memory back when it is dropped.
+#[derive(Debug)]
 pub struct Plan {
     /// The action to take.
     pub action: Action,
-    /// Value of every legal action, as far as the search knows it from below: decisions by label, then moves.
+    /// Estimated value of every legal action: decisions by label, then moves.
     pub values: Vec<(Action, f64)>,
     /// Lower bound of the optimum of the search's own (sampled, regularised) problem.
     pub lower: f64,
     /// Upper bound of the same optimum.
     pub upper: f64,
-    /// Lower bound of V*: the value of a policy that can be executed from here.
-    pub certified_lower: f64,
+    /// Lower bound of V*: the value of a policy that can be executed from here; `None` if the model repeats looks.
+    pub certified_lower: Option<f64>,
     /// Upper bound of V*.
     pub certified_upper: f64,
     /// Trials done.
@@ -31,30 +34,52 @@ pub struct Plan {
     pub expansions: u64,
     /// Belief nodes created.
     pub nodes: u64,
+    pub(super) model: Arc<SortingModel>,
+    pub(super) space: Lease,
+}
+
+/// Equal plans come from equal searches, node by node; the time they took does not count.
+impl PartialEq for Plan {
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = |plan: &Self| (plan.trials, plan.scenario_steps, plan.expansions, plan.nodes);
+        let certified = |plan: &Self| (plan.certified_lower, plan.certified_upper);
+        self.action == other.action
+            && self.values == other.values
+            && numbers(self) == numbers(other)
+            && certified(self) == certified(other)
+            && self.space.tree == other.space.tree
+    }
 }
 
 impl Search<'_> {
     pub(super) fn into_plan(self) -> Plan {
-        let root = &self.tree.nodes[0];
+        let tree = &self.space.tree;
+        let (root, bounds) = (&tree.nodes[0], tree.values[0]);
         let mut values = Vec::new();
-        for edge in &self.tree.edges[root.edges.clone()] {
+        for edge in tree.edges_of(0) {
             match edge.action {
-                Action::Decide(best) => values.extend(self.decisions(best, edge.lower)),
-                Action::Move(_) => values.push((edge.action, edge.lower)),
+                Action::Decide(best) => values.extend(self.decisions(best, edge.values.estimate)),
+                Action::Move(_) => values.push((edge.action, edge.values.estimate)),
             }
         }
         Plan {
             action: self.best_action(),
             values,
-            lower: root.lower,
-            upper: root.upper,
-            certified_lower: if self.regularised() { root.default } else { root.lower },
-            certified_upper: bounds::upper(&self.despot.model, &root.belief, root.viewpoint),
+            lower: bounds.lower,
+            upper: bounds.upper,
+            certified_lower: (!self.despot.model.ever_repeats()).then_some(if self.regularised() {
+                root.default
+            } else {
+                bounds.lower
+            }),
+            certified_upper: bounds::upper(&self.despot.model, &self.space.root.0, root.viewpoint),
             trials: self.trials,
             elapsed: self.start.elapsed(),
             scenario_steps: self.scenario_steps,
-            expansions: self.expansions,
-            nodes: self.tree.nodes.len() as u64,
+            expansions: self.space.expanded_count() as u64,
+            nodes: tree.nodes.len() as u64,
+            model: Arc::clone(&self.despot.model),
+            space: self.space,
         }
     }
 
@@ -63,26 +88,25 @@ impl Search<'_> {
         self.despot.config.regularization > 0.0
     }
 
-    /// The action with the highest lower bound; the default policy's own if regularisation finds no planned one
-    /// worth its price.
+    /// The action with the highest estimate; with regularisation, that with the highest lower bound, or the default
+    /// policy's own if no planned one is worth its price.
     fn best_action(&self) -> Action {
-        let root = &self.tree.nodes[0];
-        let mut best = None;
-        for edge in &self.tree.edges[root.edges.clone()] {
-            if best.is_none_or(|(_, lower)| edge.lower > lower) {
-                best = Some((edge.action, edge.lower));
-            }
+        let Despot { model, default_policy, .. } = self.despot;
+        let root = &self.space.tree.nodes[0];
+        let worth = |edge: &Edge| if self.regularised() { edge.values.lower } else { edge.values.estimate };
+        let edges = self.space.tree.edges_of(0);
+        let best =
+            edges.iter().fold(&edges[0], |best, edge| if worth(edge) > worth(best) { edge } else { best });
+        if self.regularised() && worth(best) < root.default {
+            return default_policy.action(model, &self.space.root.0, root.viewpoint);
         }
-        match best {
-            Some((action, lower)) if lower >= root.default || !self.regularised() => action,
-            _ => self.despot.default_policy.action(&self.despot.model, &root.belief, root.viewpoint),
-        }
+        best.action
     }
 
     /// Value of each decision: they differ from the best one in their immediate reward only.
     fn decisions(&self, best: usize, value: f64) -> impl Iterator<Item = (Action, f64)> + '_ {
         let model = &self.despot.model;
-        let belief = &self.tree.nodes[0].belief;
+        let belief = &self.space.root.0;
         let reward = |label: usize| model.decision_reward(belief[label]);
         (0..model.class_count())
             .map(move |label| (Action::Decide(label), value + reward(label) - reward(best)))

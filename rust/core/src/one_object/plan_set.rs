@@ -21,11 +21,13 @@ pub(crate) struct ConditionalPlan {
 
 impl ConditionalPlan {
     /// `sum_c b_c G(c)`.
+    #[inline(always)]
     pub(crate) fn gain_at(&self, belief: &[f64]) -> f64 {
         dot(belief, self.gain.as_slice())
     }
 
     /// `sum_c b_c D_s(c)` for each group s.
+    #[inline(always)]
     pub(crate) fn discounts_at<'a>(&'a self, belief: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         self.discount_to.as_slice().chunks_exact(belief.len()).map(move |row| dot(belief, row))
     }
@@ -55,27 +57,47 @@ impl PlanSet {
     }
 
     /// The best plan at a belief when `continuation[s]` follows (the first among equals), and its value.
+    #[inline(always)]
     pub(crate) fn best(&self, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
+        let (index, value) = self.best_index(belief, continuation);
+        (&self.plans[index], value)
+    }
+
+    /// Index and value of the best plan: lane by lane first, so that the lanes run side by side.
+    #[inline(always)]
+    fn best_index(&self, belief: &[f64], continuation: &[f64]) -> (usize, f64) {
         let rows = belief.len() * (1 + continuation.len());
-        let mut best = (0, f64::NEG_INFINITY);
-        for (index, block) in self.blocks.chunks_exact(rows).enumerate() {
+        let mut best = [f64::NEG_INFINITY; LANES];
+        let mut found = [0_u64; LANES];
+        for (index, block) in (0_u64..).zip(self.blocks.chunks_exact(rows)) {
             let (gains, discounts) = block.split_at(belief.len());
             let mut values = [0.0; LANES];
             accumulate(&mut values, gains, belief, 1.0);
             for (row, w) in discounts.chunks_exact(belief.len()).zip(continuation) {
                 accumulate(&mut values, row, belief, *w);
             }
-            for (lane, value) in values.into_iter().enumerate() {
-                if value > best.1 {
-                    best = (index * LANES + lane, value);
-                }
+            for lane in 0..LANES {
+                let better = values[lane] > best[lane];
+                best[lane] = if better { values[lane] } else { best[lane] };
+                found[lane] = if better { index } else { found[lane] };
             }
         }
-        (&self.plans[best.0], best.1)
+        let mut winner = (0, f64::NEG_INFINITY);
+        for (lane, (value, block)) in (0_u64..).zip(best.into_iter().zip(found)) {
+            let index = block * LANES as u64 + lane;
+            let order = value.total_cmp(&winner.1).then(winner.0.cmp(&index));
+            if order.is_gt() {
+                winner = (index, value);
+            }
+        }
+        // Padding repeats a block's first plan, which has the smaller index and wins the tie.
+        #[allow(clippy::cast_possible_truncation)] // an index into `plans`
+        (winner.0 as usize, winner.1)
     }
 }
 
 /// `values += factor * sum_c b_c rows[c]`.
+#[inline(always)]
 fn accumulate(values: &mut [f64; LANES], rows: &[[f64; LANES]], belief: &[f64], factor: f64) {
     for (row, b) in rows.iter().zip(belief) {
         for (value, entry) in values.iter_mut().zip(row) {

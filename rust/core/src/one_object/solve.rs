@@ -20,7 +20,7 @@ const SWEEPS: usize = 200;
 /// Relative change of the value of an unseen object at which sweeping stops.
 const CONVERGED: f64 = 1e-9;
 /// Loss at one belief, as a part of `r_max`, at which a plan is worth keeping.
-const THINNING: f64 = 3e-3;
+const THINNING: f64 = 3e-2;
 /// Rounds of policy evaluation; each changes plans for better ones, and few do.
 const EVALUATIONS: usize = 100;
 /// Points nearer than this (largest difference of two probabilities) count as one.

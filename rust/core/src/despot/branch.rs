@@ -1,0 +1,176 @@
+//! A scan in the tree: a child per label vector that some scenario gives; the other labels follow the default policy.
+
+use super::Despot;
+use super::workspace::Workspace;
+use crate::belief::{Memory, information, most_likely};
+use crate::bounds::{self, Look};
+use crate::model::{Action, SortingModel};
+use crate::planes;
+use crate::scenario::LookPoint;
+use crate::tree::{Node, Values};
+
+/// Where in the scenarios a scan is taken.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scan {
+    /// Planner steps before it.
+    pub depth: usize,
+    /// Decisions before it.
+    pub decisions: usize,
+    /// Where the camera stands.
+    pub viewpoint: usize,
+}
+
+impl Scan {
+    /// The scan that an action at a node brings, if any.
+    pub(super) fn of(model: &SortingModel, node: &Node, action: Action) -> Option<Self> {
+        let &Node { depth, decisions, viewpoint, .. } = node;
+        match action {
+            Action::Move(viewpoint) => Some(Self { depth, decisions, viewpoint }),
+            Action::Decide(_) if model.observes_after_decision() => {
+                Some(Self { depth, decisions: decisions + 1, viewpoint })
+            }
+            Action::Decide(_) => None,
+        }
+    }
+
+    /// Its look at one position.
+    #[inline(always)]
+    pub(super) fn look(&self, model: &SortingModel, memory: &Memory, position: usize) -> LookPoint {
+        let &Self { depth, decisions, viewpoint } = self;
+        LookPoint { depth, decisions, viewpoint, position, last: memory.last(model, position, viewpoint) }
+    }
+
+    /// Reward for what it is expected to tell.
+    #[inline(always)]
+    pub(super) fn bonus(&self, model: &SortingModel, belief: &[f64], memory: &Memory) -> f64 {
+        let alpha = model.spec().information_gain;
+        if alpha == 0.0 {
+            return 0.0;
+        }
+        let told = |(j, position): (usize, &[f64])| {
+            information(model, position, j, self.viewpoint, memory.last(model, j, self.viewpoint))
+        };
+        alpha * belief.chunks_exact(model.class_count()).enumerate().map(told).sum::<f64>()
+    }
+}
+
+/// Enumeration of label vectors, from the last position to the belt end; a position's label is only tried where
+/// scenarios are left. The buffers are reused.
+#[derive(Debug, Default)]
+pub(super) struct Brancher {
+    look: Look,
+    /// Upper bound after each label of the object at the belt end.
+    uppers: Vec<f64>,
+    /// Label of each position.
+    labels: Vec<usize>,
+    /// Scenarios left at each position, and behind the last one all of the node.
+    planes: Vec<u64>,
+    /// Probability of the labels from each position on.
+    probabilities: Vec<f64>,
+    /// Value of each position and those behind it, per viewpoint group.
+    worth: Vec<f64>,
+    /// Probability of all labels with a branch, and their share of the look's value.
+    branched: (f64, f64),
+}
+
+impl Brancher {
+    /// Take a scan apart.
+    #[inline(always)]
+    pub(super) fn take(&mut self, despot: &Despot, belief: &[f64], memory: &Memory, scan: &Scan) {
+        let model = &despot.model;
+        self.look.take(model, &despot.default_policy, belief, memory, scan.viewpoint);
+        let upper =
+            |z| bounds::upper_knowing(model, most_likely(self.look.posterior(0, z)).1, scan.viewpoint);
+        self.uppers.clear();
+        self.uppers.extend((0..model.class_count()).map(upper));
+    }
+
+    /// A child per label vector that a scenario gives.
+    #[inline(always)]
+    pub(super) fn branch(
+        &mut self,
+        despot: &Despot,
+        space: &Workspace,
+        (node, scan, memory, scenarios): (&Node, &Scan, &Memory, &[u64]),
+        children: &mut Vec<(Node, Values)>,
+    ) {
+        let (l, h) = (despot.model.class_count(), despot.model.position_count());
+        self.start(despot, scenarios);
+        let mut j = h - 1;
+        loop {
+            if self.labels[j] == l {
+                self.labels[j] = 0;
+                j += 1;
+                if j == h {
+                    return;
+                }
+            } else if self.enter(despot, space, scan.look(&despot.model, memory, j)) {
+                if j > 0 {
+                    j -= 1;
+                    continue;
+                }
+                children.push(self.child(despot, node, scan));
+            }
+            self.labels[j] += 1;
+        }
+    }
+
+    fn start(&mut self, despot: &Despot, scenarios: &[u64]) {
+        let (h, words) = (despot.model.position_count(), scenarios.len());
+        let arrival = despot.default_policy.arrival_values();
+        self.labels.clear();
+        self.labels.resize(h, 0);
+        self.planes.resize((h + 1) * words, 0);
+        self.planes[h * words..].copy_from_slice(scenarios);
+        self.probabilities.clear();
+        self.probabilities.resize(h + 1, 1.0);
+        self.worth.resize((h + 1) * arrival.len(), 0.0);
+        self.worth[h * arrival.len()..].copy_from_slice(arrival);
+        self.branched = (0.0, 0.0);
+    }
+
+    /// Take the label at hand of one position; whether any scenario gives it.
+    #[inline(always)]
+    fn enter(&mut self, despot: &Despot, space: &Workspace, at: LookPoint) -> bool {
+        let (j, z) = (at.position, self.labels[at.position]);
+        let (words, g) = (self.planes.len() / self.probabilities.len(), despot.default_policy.group_count());
+        let probability = self.probabilities[j + 1] * self.look.probability(j, z);
+        let (here, behind) = self.planes.split_at_mut((j + 1) * words);
+        let given = space.labels.label(&despot.model, at, z);
+        if probability <= 0.0 || !planes::intersect(&behind[..words], given, &mut here[j * words..]) {
+            return false;
+        }
+        let (here, behind) = self.worth.split_at_mut((j + 1) * g);
+        self.look.value_from(j, z, &behind[..g], &mut here[j * g..]);
+        self.probabilities[j] = probability;
+        true
+    }
+
+    /// The child of the labels at hand.
+    #[inline(always)]
+    fn child(&mut self, despot: &Despot, node: &Node, scan: &Scan) -> (Node, Values) {
+        let l = despot.model.class_count() as u64;
+        let (probability, value) = (self.probabilities[0], self.worth[self.look.group()]);
+        self.branched.0 += probability;
+        self.branched.1 += probability * value;
+        let below = Node {
+            depth: node.depth + 1,
+            decisions: scan.decisions,
+            viewpoint: scan.viewpoint,
+            probability: node.probability * probability,
+            labels: self.labels.iter().rev().fold(0, |code, z| code * l + *z as u64),
+            ..node.clone()
+        };
+        despot.leaf(below, value, self.uppers[self.labels[0]])
+    }
+
+    /// Values of the edge, its children left out: what the step earns, and the labels without a branch.
+    #[inline(always)]
+    pub(super) fn fixed(&self, despot: &Despot, node: &Node, reward: f64) -> Values {
+        let (scale, discount) = (despot.scale(node), despot.model.discount());
+        let (mass, value) = self.branched;
+        let bound = scale * (reward + discount * (self.look.value() - value)) - despot.config.regularization;
+        let shortfall = scale * discount * despot.shortfall * (1.0 - mass).max(0.0);
+        Values { estimate: bound + shortfall, ..Values::all(bound) }
+    }
+}
