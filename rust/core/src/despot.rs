@@ -44,6 +44,7 @@ pub use config::{Budget, DespotConfig};
 use expand::Expansion;
 pub use explain::{TreeAction, TreeBranch, TreeNode};
 pub use plan::Plan;
+use shortfall::Shortfall;
 use workspace::{Lease, Pool};
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
@@ -63,8 +64,7 @@ pub struct Despot {
     depth: usize,
     /// Discount down to each depth.
     discounts: Vec<f64>,
-    /// What the default policy is expected to fall short of the optimum by.
-    shortfall: f64,
+    shortfall: Shortfall,
     randoms: Arc<Randoms>,
     pool: Pool,
 }
@@ -81,7 +81,7 @@ impl Despot {
         let default_policy = OneObjectPolicy::solve(model);
         let power = |previous: &f64| Some(previous * model.discount());
         Ok(Self {
-            shortfall: shortfall::expected(model, &default_policy),
+            shortfall: Shortfall::fitted(model, &default_policy),
             model: Arc::new(model.clone()),
             default_policy,
             depth,
@@ -155,7 +155,8 @@ impl Despot {
         } else {
             default
         };
-        (node, Values { lower: default, upper, estimate: (default + scale * self.shortfall).min(upper) })
+        let estimate = (default + self.shortfall.at(scale, default).max(0.0)).min(upper);
+        (node, Values { lower: default, upper, estimate })
     }
 }
 

@@ -24,6 +24,6 @@ pub use despot::{Budget, Despot, DespotConfig, Plan, TreeAction, TreeBranch, Tre
 pub use error::{Error, Result};
 pub use model::{Action, ModelSpec, ScalarOrMatrix, SortingModel, Tables};
 pub use one_object::OneObjectPolicy;
-pub use policy::{BudgetedDespot, InformationGain, Policy, Threshold};
+pub use policy::{BudgetedDespot, InformationGain, OneObject, Policy, Threshold};
 pub use reference::Solution;
 pub use simulate::{Evaluation, EvaluationConfig, Statistics, TrueClasses, evaluate};

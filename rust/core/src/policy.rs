@@ -4,6 +4,7 @@ use crate::belief::Belief;
 use crate::despot::{Budget, Despot};
 use crate::error::{Result, argument_error};
 use crate::model::{Action, SortingModel};
+use crate::one_object::OneObjectPolicy;
 
 /// Names the next action.
 pub trait Policy: Sync {
@@ -89,6 +90,29 @@ impl Policy for InformationGain {
         let moves = self.model.legal_moves(viewpoint).iter().copied();
         Ok(most_informative(&self.model, belief, self.positions, moves)
             .map_or(Action::Decide(label), Action::Move))
+    }
+}
+
+/// The best conditional plan for the object at the belt end, chosen anew at each step: the search's default policy.
+#[derive(Debug, Clone)]
+pub struct OneObject {
+    model: SortingModel,
+    plans: OneObjectPolicy,
+}
+
+impl OneObject {
+    /// Solve the one-object problem; labels are taken as independent, and any bonus is left aside.
+    #[must_use]
+    pub fn new(model: &SortingModel) -> Self {
+        Self { model: model.clone(), plans: OneObjectPolicy::solve(model) }
+    }
+}
+
+impl Policy for OneObject {
+    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+        belief.check_fits(&self.model)?;
+        self.model.check_viewpoint(viewpoint)?;
+        Ok(self.plans.action(&self.model, belief.as_slice(), viewpoint))
     }
 }
 

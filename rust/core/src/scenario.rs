@@ -1,7 +1,7 @@
 //! Scenarios: what would happen, sampled beforehand.
 //!
 //! A scenario fixes the classes of the objects in the order of the belt and a random per (depth, position) that
-//! decides a label by inversion. No state is ever copied: a set of scenarios is a bit plane, and the scenarios of a
+//! decides a label by inversion (see [`crate::sampling`]). No state is ever copied: a set of scenarios is a bit plane, and the scenarios of a
 //! node that give label z at a position are the node's plane AND the plane of z.
 
 use std::sync::OnceLock;
@@ -122,11 +122,17 @@ pub(crate) struct LookPoint {
 pub(crate) struct LabelPlanes {
     words: usize,
     classes: usize,
+    viewpoints: usize,
+    positions: usize,
+    /// Planes of a look per last label, and without any: 1 if no look repeats.
+    variants: usize,
     /// Per object: the plane of each class.
     objects: Vec<Vec<u64>>,
     /// First word of the look's planes, by [`LabelPlanes::key`]; [`ABSENT`] where there are none yet.
     index: Vec<usize>,
     labels: Vec<u64>,
+    /// Looks whose planes are being made.
+    missing: Vec<LookPoint>,
 }
 
 const ABSENT: usize = usize::MAX;
@@ -135,6 +141,8 @@ impl LabelPlanes {
     /// Start a search from a belief, with one distribution per position.
     pub(crate) fn restart(&mut self, model: &SortingModel, randoms: &Randoms, belief: &[f64]) {
         (self.words, self.classes) = (planes::words(randoms.count), model.class_count());
+        (self.viewpoints, self.positions) = (model.viewpoint_count(), model.position_count());
+        self.variants = if model.ever_repeats() { self.classes + 1 } else { 1 };
         self.objects.clear();
         self.index.clear();
         self.labels.clear();
@@ -144,77 +152,105 @@ impl LabelPlanes {
         }
     }
 
-    /// Make the planes of a look, if they are not there; the randoms must reach its depth.
-    pub(crate) fn require(&mut self, model: &SortingModel, randoms: &Randoms, at: LookPoint) {
-        let key = Self::key(model, at);
-        if key >= self.index.len() {
-            self.index.resize(key + 1, ABSENT);
+    /// Have the planes of some looks; the randoms must reach their depths.
+    pub(crate) fn require(
+        &mut self,
+        model: &SortingModel,
+        randoms: &Randoms,
+        looks: impl Iterator<Item = LookPoint>,
+        parallel: bool,
+    ) {
+        let (first, size) = (self.labels.len(), self.classes * self.words);
+        let mut missing = std::mem::take(&mut self.missing);
+        for at in looks {
+            let key = self.key(at);
+            if key >= self.index.len() {
+                self.index.resize(key + 1, ABSENT);
+            }
+            if self.index[key] == ABSENT {
+                self.index[key] = first + missing.len() * size;
+                missing.push(at);
+                self.require_object(model, randoms, at.decisions + at.position);
+            }
         }
-        if self.index[key] != ABSENT {
-            return;
+        self.labels.resize(first + missing.len() * size, 0);
+        let mut labels = std::mem::take(&mut self.labels);
+        let fill = |(planes, at): (&mut [u64], &LookPoint)| self.fill(model, randoms, *at, planes);
+        if parallel {
+            labels[first..].par_chunks_exact_mut(size).zip(&missing).for_each(fill);
+        } else {
+            labels[first..].chunks_exact_mut(size).zip(&missing).for_each(fill);
         }
-        let object = at.decisions + at.position;
+        missing.clear();
+        (self.labels, self.missing) = (labels, missing);
+    }
+
+    fn require_object(&mut self, model: &SortingModel, randoms: &Randoms, object: usize) {
         while self.objects.len() <= object {
             let planes = self.class_planes(randoms.class(self.objects.len()), model.arrival().as_slice());
             self.objects.push(planes);
         }
-        self.index[key] = self.labels.len();
-        self.labels.resize(self.labels.len() + self.classes * self.words, 0);
-        self.label_planes(model, randoms, at, self.index[key]);
     }
 
     /// The scenarios in which a look gives a label.
-    pub(crate) fn label(&self, model: &SortingModel, at: LookPoint, label: usize) -> &[u64] {
-        &self.labels[self.index[Self::key(model, at)] + label * self.words..][..self.words]
+    #[inline(always)]
+    pub(crate) fn label(&self, at: LookPoint, label: usize) -> &[u64] {
+        &self.labels[self.index[self.key(at)] + label * self.words..][..self.words]
     }
 
     /// Looks are numbered depth by depth: at depth d there have been 0 to d decisions, or d + 1 if the scan follows
     /// one.
-    fn key(model: &SortingModel, at: LookPoint) -> usize {
+    #[inline(always)]
+    fn key(&self, at: LookPoint) -> usize {
         let step = at.depth * (at.depth + 3) / 2 + at.decisions;
-        let look = (step * model.viewpoint_count() + at.viewpoint) * model.position_count() + at.position;
-        if model.ever_repeats() {
-            look * (model.class_count() + 1) + at.last.map_or(0, |label| label + 1)
-        } else {
-            look
-        }
+        let look = (step * self.viewpoints + at.viewpoint) * self.positions + at.position;
+        look * self.variants + at.last.map_or(0, |label| label + 1)
     }
 
     /// The plane of each class of an object with this distribution.
     fn class_planes(&self, randoms: &[u32], distribution: &[f64]) -> Vec<u64> {
         let mut planes = vec![0; self.classes * self.words];
-        let everywhere = vec![u64::MAX; self.words];
-        pulp::Arch::new()
-            .dispatch(|| add_inverted(randoms, distribution.iter().copied(), &everywhere, &mut planes));
+        let among = &vec![u64::MAX; self.words];
+        let distribution = distribution.iter().copied();
+        pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes: &mut planes });
         planes
     }
 
-    fn label_planes(&mut self, model: &SortingModel, randoms: &Randoms, at: LookPoint, first: usize) {
+    /// The plane of each label of a look.
+    fn fill(&self, model: &SortingModel, randoms: &Randoms, at: LookPoint, planes: &mut [u64]) {
         let object = &self.objects[at.decisions + at.position];
-        let uniforms = randoms.label(at.depth, at.position);
-        let planes = &mut self.labels[first..];
-        pulp::Arch::new().dispatch(|| {
-            for (class, plane) in object.chunks_exact(self.words).enumerate() {
-                let labels = model.label_distribution(at.position, at.viewpoint, at.last, class);
-                add_inverted(uniforms, labels, plane, planes);
-            }
-        });
+        let randoms = randoms.label(at.depth, at.position);
+        for (class, among) in object.chunks_exact(self.words).enumerate() {
+            let distribution = model.label_distribution(at.position, at.viewpoint, at.last, class);
+            pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes });
+        }
     }
 }
 
-/// Add to the plane of each outcome the scenarios of `among` whose random selects it by inversion.
-#[inline(always)]
-fn add_inverted(randoms: &[u32], distribution: impl Iterator<Item = f64>, among: &[u64], planes: &mut [u64]) {
-    let mut left = among.to_vec();
-    let mut below = vec![0; among.len()];
-    let mut cumulated = 0.0;
-    for (p, plane) in distribution.zip(planes.chunks_exact_mut(among.len())) {
-        cumulated += p;
-        if p > 0.0 {
-            planes::below(randoms, threshold(cumulated), &mut below);
-            for ((plane, left), below) in plane.iter_mut().zip(&mut left).zip(&below) {
-                *plane |= *left & below;
-                *left &= !below;
+/// Add to the plane of each outcome the scenarios of `among` whose random selects it.
+struct Inversion<'a, D> {
+    randoms: &'a [u32],
+    distribution: D,
+    among: &'a [u64],
+    planes: &'a mut [u64],
+}
+
+impl<D: Iterator<Item = f64>> pulp::NullaryFnOnce for Inversion<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let mut left = self.among.to_vec();
+        let mut below = vec![0; left.len()];
+        let mut cumulated = 0.0;
+        for (p, plane) in self.distribution.zip(self.planes.chunks_exact_mut(below.len())) {
+            cumulated += p;
+            if p > 0.0 {
+                planes::below(self.randoms, threshold(cumulated), &mut below);
+                for ((plane, left), below) in plane.iter_mut().zip(&mut left).zip(&below) {
+                    *plane |= *left & below;
+                    *left &= !below;
+                }
             }
         }
     }

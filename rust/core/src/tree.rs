@@ -188,7 +188,6 @@ impl Tree {
         for edge in self.edges_of(node) {
             best.raise(edge.values);
         }
-        best.estimate = best.estimate.max(best.lower);
         best
     }
 

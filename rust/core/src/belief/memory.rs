@@ -42,6 +42,7 @@ impl Memory {
     }
 
     /// The last label of a position from a viewpoint.
+    #[inline(always)]
     pub(crate) fn last(&self, model: &SortingModel, position: usize, viewpoint: usize) -> Option<usize> {
         self.labels.get(position * model.viewpoint_count() + viewpoint).copied().flatten()
     }

@@ -136,7 +136,7 @@ impl Brancher {
         let (words, g) = (self.planes.len() / self.probabilities.len(), despot.default_policy.group_count());
         let probability = self.probabilities[j + 1] * self.look.probability(j, z);
         let (here, behind) = self.planes.split_at_mut((j + 1) * words);
-        let given = space.labels.label(&despot.model, at, z);
+        let given = space.labels.label(at, z);
         if probability <= 0.0 || !planes::intersect(&behind[..words], given, &mut here[j * words..]) {
             return false;
         }
@@ -167,10 +167,11 @@ impl Brancher {
     /// Values of the edge, its children left out: what the step earns, and the labels without a branch.
     #[inline(always)]
     pub(super) fn fixed(&self, despot: &Despot, node: &Node, reward: f64) -> Values {
-        let (scale, discount) = (despot.scale(node), despot.model.discount());
+        let scale = despot.scale(node);
         let (mass, value) = self.branched;
-        let bound = scale * (reward + discount * (self.look.value() - value)) - despot.config.regularization;
-        let shortfall = scale * discount * despot.shortfall * (1.0 - mass).max(0.0);
-        Values { estimate: bound + shortfall, ..Values::all(bound) }
+        let rest = scale * despot.model.discount() * (self.look.value() - value);
+        let bound = scale * reward + rest - despot.config.regularization;
+        let mass = scale * despot.model.discount() * (1.0 - mass).max(0.0);
+        Values { estimate: bound + despot.shortfall.at(mass, rest), ..Values::all(bound) }
     }
 }

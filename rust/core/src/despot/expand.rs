@@ -31,22 +31,22 @@ pub(super) struct Expansion {
 }
 
 impl Expansion {
-    /// Expand `self.leaf`.
+    /// Expand `self.leaf`, compiled for the CPU at hand.
     pub(super) fn run(&mut self, despot: &Despot, space: &Workspace) {
+        pulp::Arch::new().dispatch(Run { expansion: self, despot, space });
+        self.done = true;
+    }
+
+    #[inline(always)]
+    fn expand(&mut self, despot: &Despot, space: &Workspace) {
         self.edges.clear();
         self.children.clear();
         let node = space.tree.nodes[self.leaf].clone();
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                self.arrive(despot, space, &node);
-                self.decide(despot, space, &node);
-                for &to in despot.model.legal_moves(node.viewpoint) {
-                    self.move_to(despot, space, &node, to);
-                }
-            },
-        );
-        self.done = true;
+        self.arrive(despot, space, &node);
+        self.decide(despot, space, &node);
+        for &to in despot.model.legal_moves(node.viewpoint) {
+            self.move_to(despot, space, &node, to);
+        }
     }
 
     /// Belief and scenarios of the leaf, from its parent's.
@@ -69,7 +69,7 @@ impl Expansion {
         if let Some(scan) = Scan::of(&despot.model, parent, edge.action) {
             let before = if matches!(edge.action, Action::Decide(_)) { &Memory::default() } else { memory };
             for (j, z) in node.seen(&despot.model).enumerate() {
-                let plane = space.labels.label(&despot.model, scan.look(&despot.model, before, j), z);
+                let plane = space.labels.label(scan.look(&despot.model, before, j), z);
                 for (word, plane) in self.scenarios.iter_mut().zip(plane) {
                     *word &= plane;
                 }
@@ -120,5 +120,21 @@ impl Expansion {
     fn edge(&mut self, action: Action, fixed: Values, first: usize) {
         let children = id(first)..id(self.children.len());
         self.edges.push(Edge { action, node: id(self.leaf), fixed, values: fixed, children });
+    }
+}
+
+/// The arguments of an expansion; unlike a closure it is sure to be inlined into the dispatch.
+struct Run<'a> {
+    expansion: &'a mut Expansion,
+    despot: &'a Despot,
+    space: &'a Workspace,
+}
+
+impl pulp::NullaryFnOnce for Run<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.expansion.expand(self.despot, self.space);
     }
 }

@@ -93,8 +93,8 @@ impl BruteForce<'_> {
         let mut scenarios = at.scenarios.clone();
         for (position, &z) in labels.iter().enumerate() {
             let look = scan.look(model, at.belief.memory(), position);
-            self.labels.require(model, randoms, look);
-            let plane = self.labels.label(model, look, z);
+            self.labels.require(model, randoms, std::iter::once(look), false);
+            let plane = self.labels.label(look, z);
             scenarios.retain(|i| plane[i / 64] >> (i % 64) & 1 == 1);
         }
         scenarios

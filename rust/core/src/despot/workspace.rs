@@ -8,7 +8,7 @@ use super::expand::Expansion;
 use crate::belief::{Belief, Memory};
 use crate::model::{Action, SortingModel};
 use crate::planes;
-use crate::scenario::{LabelPlanes, Randoms};
+use crate::scenario::{LabelPlanes, LookPoint, Randoms};
 use crate::tree::{Node, Tree, Values, id};
 
 /// Nodes of a tree that is not kept for the next plan: an occasional long search would hold its memory for ever.
@@ -80,19 +80,25 @@ impl Workspace {
         expansions: usize,
         parallel: bool,
     ) {
-        for expansion in &self.expansions[..expansions] {
-            let node = &self.tree.nodes[expansion.leaf];
-            randoms.reach(node.depth, parallel);
-            let memory = self.memory_at(model, node);
-            let moves = model.legal_moves(node.viewpoint).iter().map(|to| (Action::Move(*to), &memory));
-            let decision = (Action::Decide(0), &Memory::default());
-            for (action, memory) in moves.chain([decision]) {
-                let Some(scan) = Scan::of(model, node, action) else { continue };
-                for position in 0..model.position_count() {
-                    self.labels.require(model, randoms, scan.look(model, memory, position));
-                }
-            }
-        }
+        let mut labels = std::mem::take(&mut self.labels);
+        let leaves = self.expansions[..expansions].iter().map(|expansion| &self.tree.nodes[expansion.leaf]);
+        randoms.reach(leaves.clone().map(|node| node.depth).max().unwrap_or(0), parallel);
+        labels.require(model, randoms, leaves.flat_map(|node| self.looks_at(model, node)), parallel);
+        self.labels = labels;
+    }
+
+    /// The looks that any action at a leaf brings.
+    fn looks_at(&self, model: &SortingModel, node: &Node) -> impl Iterator<Item = LookPoint> {
+        let memory = self.memory_at(model, node);
+        let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
+        let scans = moves.chain([Action::Decide(0)]).filter_map(|action| Scan::of(model, node, action));
+        scans.flat_map(move |scan| {
+            let fresh = Memory::default();
+            let memory = if scan.decisions > node.decisions { &fresh } else { &memory };
+            let looks: Vec<_> =
+                (0..model.position_count()).map(|position| scan.look(model, memory, position)).collect();
+            looks
+        })
     }
 
     /// The last labels at a leaf.

@@ -10,6 +10,7 @@ use super::SortingModel;
 impl SortingModel {
     /// Probability that a second look from `viewpoint` at `position` only repeats its label.
     #[must_use]
+    #[inline(always)]
     pub fn repeat(&self, position: usize, viewpoint: usize) -> f64 {
         self.repeat[(position, viewpoint)]
     }
@@ -35,6 +36,7 @@ impl SortingModel {
     }
 
     /// The likelihood of `label` for one class after the other.
+    #[inline(always)]
     pub fn likelihoods(
         &self,
         position: usize,
@@ -61,6 +63,7 @@ impl SortingModel {
     }
 
     /// What a label owes to the one before it, and the weight of the table.
+    #[inline(always)]
     fn mixture(&self, position: usize, viewpoint: usize, last: Option<usize>, label: usize) -> (f64, f64) {
         match last {
             None => (0.0, 1.0),

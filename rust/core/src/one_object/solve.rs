@@ -17,8 +17,8 @@ const POINTS: usize = 1000;
 const WALKS: u64 = 2000;
 const LOOKS_PER_WALK: usize = 8;
 const SWEEPS: usize = 200;
-/// Relative change of the value of an unseen object at which sweeping stops.
-const CONVERGED: f64 = 1e-9;
+/// Change of the value of an unseen object, as a part of `r_max`, at which sweeping stops.
+const CONVERGED: f64 = 1e-6;
 /// Loss at one belief, as a part of `r_max`, at which a plan is worth keeping.
 const THINNING: f64 = 3e-2;
 /// Rounds of policy evaluation; each changes plans for better ones, and few do.
@@ -38,7 +38,7 @@ impl OneObjectPolicy {
                 (0..policy.group_count()).map(|group| policy.backed_up(model, group, &points)).collect();
             policy.evaluate_arrival(model);
             let change =
-                before.iter().zip(&policy.arrival_values).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
+                before.iter().zip(&policy.arrival_values).map(|(a, b)| (a - b).abs() / model.spec().r_max);
             if change.fold(0.0, f64::max) < CONVERGED {
                 break;
             }
@@ -172,7 +172,7 @@ impl OneObjectPolicy {
             }
             // Row sums of D are at most the discount, so the system is diagonally dominant and solvable.
             let Some(solved) = system.lu().solve(&gains) else { return };
-            let risen = |(new, old): (&f64, &f64)| *new > old + CONVERGED * (1.0 + old.abs());
+            let risen = |(new, old): (&f64, &f64)| *new > old + CONVERGED * model.spec().r_max;
             let rise = solved.iter().zip(&self.arrival_values).any(risen);
             self.arrival_values = solved.iter().copied().collect();
             // Round 0 replaces values that may not be those of any policy.
