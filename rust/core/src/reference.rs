@@ -7,11 +7,13 @@
 
 mod alpha;
 mod controller;
+mod difference;
 mod evaluation;
 mod graph;
 mod neighbourhoods;
 mod objects;
 mod reach;
+mod saved;
 mod simplex_grid;
 mod sparse;
 mod stages;
@@ -94,6 +96,7 @@ impl Solution {
             leaves.grid = Some(stages::tightened_grid(model, &watch));
         }
         leaves.alphas = stages::searched(model, &leaves, &arrival, &watch);
+        leaves.grid = leaves.grid.map(|grid| stages::thinned(model, grid));
         let slack = SLACK * model.spec().r_max;
         let (lower, upper) = watch.bounds();
         Ok(Self {

@@ -26,6 +26,8 @@ const LEAST_REFINEMENT: f64 = 1.06;
 const GRADINGS: [f64; 4] = [0.0, 0.6, 1.0, 1.4];
 /// Values of the finest grid, each of 4 bytes, twice.
 const MOST_VALUES: f64 = 1e8;
+/// Values of a grid to keep, and to save: less than 100 MB.
+const MOST_KEPT: f64 = 2.4e7;
 /// Differences that have settled to this part of `r_max` have converged; refining then gains more.
 const TOLERANCE: f64 = 1e-4;
 /// Growth of the graph from one policy to the next.
@@ -55,7 +57,7 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
         while finer > intervals * LEAST_REFINEMENT && !(affordable(finer) && work(finer) < MOST_VALUES) {
             finer -= 1.0;
         }
-        if finer <= intervals * LEAST_REFINEMENT {
+        if finer <= intervals * LEAST_REFINEMENT || watch.over(GRID_UNTIL) {
             return best;
         }
         let began = Instant::now();
@@ -66,6 +68,15 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
         }
         (intervals, spent) = (finer, began.elapsed().as_secs_f64());
     }
+}
+
+/// The bound on a grid of a size to keep.
+pub(super) fn thinned(model: &SortingModel, grid: GridBound) -> GridBound {
+    let mut kept = grid.resolution;
+    while kept.values(model) as f64 > MOST_KEPT {
+        kept.intervals -= 1;
+    }
+    if kept == grid.resolution { grid } else { grid.refined(model, kept) }
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a small whole number

@@ -1,5 +1,7 @@
 use proptest::prelude::*;
 
+use std::sync::atomic::Ordering;
+
 use super::controller::Controller;
 use super::evaluation::policy_value;
 use super::graph::{BeliefGraph, ROOT};
@@ -74,8 +76,9 @@ fn the_policy_looks_at_the_unknown_and_decides_the_certain() {
 
 #[test]
 fn a_set_flag_stops_the_solver() {
-    let stop = AtomicBool::new(true);
-    let solution = Solution::solve(&paper(50.0), Duration::from_secs(600), &stop, &mut |_, _| {}).unwrap();
+    let stop = AtomicBool::new(false);
+    let mut stop_at_once = |_, _| stop.store(true, Ordering::Relaxed);
+    let solution = Solution::solve(&paper(50.0), Duration::from_secs(600), &stop, &mut stop_at_once).unwrap();
     assert!(solution.elapsed < Duration::from_secs(60));
     assert!(solution.lower <= solution.upper);
 }

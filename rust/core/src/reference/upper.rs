@@ -6,6 +6,7 @@
 
 use nalgebra::DVectorView;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::simplex_grid::{Combination, SimplexGrid};
 use crate::belief::most_likely;
@@ -13,7 +14,7 @@ use crate::model::{Action, SortingModel};
 use crate::one_object::dot;
 
 /// How fine a grid is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Resolution {
     /// Intervals per axis.
     pub intervals: usize,
@@ -101,17 +102,15 @@ pub(super) fn posteriors(
 
 impl GridBound {
     /// What being right in every step, everywhere, is worth: no more can be had.
-    #[allow(clippy::cast_possible_truncation)] // rounded to the next above
     pub(super) fn new(model: &SortingModel, resolution: Resolution) -> Self {
         let axis = Axis::new(resolution.grid(model));
-        let best = (model.spec().r_max / (1.0 - model.discount())) as f32;
+        let best = rounded_up(model.spec().r_max / (1.0 - model.discount()));
         let width = if model.position_count() == 2 { axis.points.len() } else { 1 };
-        let values = vec![best.next_up(); resolution.values(model)];
+        let values = vec![best; resolution.values(model)];
         Self { resolution, axis, width, values }
     }
 
-    /// The same bound on another grid: interpolated, so no tighter, but the start of tighter ones.
-    #[allow(clippy::cast_possible_truncation)] // rounded, so not yet proved
+    /// The same bound on another grid: interpolated, so no tighter; if that is finer, the start of tighter ones.
     pub(super) fn refined(&self, model: &SortingModel, resolution: Resolution) -> Self {
         let mut fine = Self::new(model, resolution);
         let rows: Vec<_> = fine.axis.points.par_iter().map(|p| self.axis.grid.locate(p)).collect();
@@ -119,7 +118,7 @@ impl GridBound {
         let columns = if self.width == 1 { &sole[..] } else { &rows };
         fine.values.par_chunks_mut(fine.width).zip(&rows).for_each(|(values, row)| {
             for (value, column) in values.iter_mut().zip(columns) {
-                *value = self.mixture(row, column) as f32;
+                *value = rounded_up(self.mixture(row, column));
             }
         });
         fine
@@ -178,4 +177,11 @@ fn merged(mut combination: Combination) -> Combination {
         same
     });
     combination
+}
+
+/// The nearest `f32` that is no less.
+#[allow(clippy::cast_possible_truncation)] // undone where it lost something
+pub(super) fn rounded_up(value: f64) -> f32 {
+    let nearest = value as f32;
+    if f64::from(nearest) < value { nearest.next_up() } else { nearest }
 }

@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 
 use super::sparse::{LANES, Real, Rows, gather, mix};
-use super::upper::{Axis, GridBound, sole};
+use super::upper::{Axis, GridBound, rounded_up, sole};
 use crate::belief::most_likely;
 use crate::model::SortingModel;
 
@@ -148,11 +148,4 @@ fn sweep(operator: &Operator<'_, f32>, values: &[f32], width: usize, swept: &mut
     };
     let joined = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));
     blocks.map(back_up).reduce(|| (f32::INFINITY, f32::NEG_INFINITY), joined)
-}
-
-/// The nearest `f32` that is no less.
-#[allow(clippy::cast_possible_truncation)] // undone where it lost something
-fn rounded_up(value: f64) -> f32 {
-    let nearest = value as f32;
-    if f64::from(nearest) < value { nearest.next_up() } else { nearest }
 }

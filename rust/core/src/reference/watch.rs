@@ -62,12 +62,7 @@ impl<'a> Watch<'a> {
 
     /// Whether this part of the time is over.
     pub(super) fn over(&self, part: f64) -> bool {
-        self.stopped() || self.start.elapsed() >= self.time.mul_f64(part)
-    }
-
-    /// Whether there is to be no more work, whatever the time.
-    pub(super) fn stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        self.stop.load(Ordering::Relaxed) || self.start.elapsed() >= self.time.mul_f64(part)
     }
 
     pub(super) fn elapsed(&self) -> Duration {
