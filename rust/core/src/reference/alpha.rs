@@ -42,3 +42,8 @@ pub(super) fn joint(model: &SortingModel, belief: &[f64]) -> DVector<f64> {
         DVector::from_fn(size * position.len(), |i, _| joint[i % size] * position[i / size])
     })
 }
+
+/// Number of joint classes of all visible objects, and of label vectors.
+pub(super) fn joint_classes(model: &SortingModel) -> usize {
+    model.class_count().pow(u32::try_from(model.position_count()).unwrap_or(u32::MAX))
+}

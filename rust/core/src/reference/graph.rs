@@ -15,7 +15,8 @@ use crate::belief::most_likely;
 use crate::bounds;
 use crate::model::{Action, SortingModel};
 
-/// Nodes of the graph; each takes about 300 bytes, its share of the actions included.
+/// Nodes of the graph up to 16 joint classes, fewer beyond; each takes about 300 bytes, its actions and its value as a
+/// policy included.
 pub(super) const MOST_NODES: usize = 12_000_000;
 /// No actions yet.
 const NONE: u32 = u32::MAX;

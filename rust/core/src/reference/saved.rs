@@ -11,7 +11,7 @@ use std::time::Duration;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::alpha::AlphaVectors;
+use super::alpha::{AlphaVectors, joint_classes};
 use super::difference::first_difference;
 use super::upper::{GridBound, Resolution};
 use super::{LeafBounds, Solution};
@@ -98,7 +98,7 @@ impl Solution {
         let (header, payload) = opened(bytes)?;
         let model = SortingModel::new(header.model)?;
         let grid = header.grid.map(|resolution| GridBound::new(&model, resolution));
-        let states = model.class_count().pow(u32::try_from(model.position_count()).unwrap_or(u32::MAX));
+        let states = joint_classes(&model);
         let (values, rows) =
             payload.split_at_checked(4 * grid.as_ref().map_or(0, |g| g.values.len())).unzip();
         let (Some(values), Some(rows)) =

@@ -136,13 +136,13 @@ fn push(combination: &mut Combination, point: usize, weight: f64) {
     }
 }
 
-/// Pascal's triangle up to `n` over `k`.
+/// Pascal's triangle up to `n` over `k`; a grid as large as numbers can be is never made.
 fn binomials(n: usize, k: usize) -> Vec<Vec<usize>> {
     let mut rows = vec![vec![0; k + 1]; n + 1];
     for i in 0..=n {
         rows[i][0] = 1;
         for j in 1..=k.min(i) {
-            rows[i][j] = rows[i - 1][j - 1] + if j < i { rows[i - 1][j] } else { 0 };
+            rows[i][j] = usize::saturating_add(rows[i - 1][j - 1], if j < i { rows[i - 1][j] } else { 0 });
         }
     }
     rows

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::LeafBounds;
-use super::alpha::AlphaVectors;
+use super::alpha::{AlphaVectors, joint_classes};
 use super::controller::Controller;
 use super::evaluation::policy_value;
 use super::graph::{BeliefGraph, MOST_NODES, ROOT};
@@ -17,8 +17,10 @@ use crate::model::SortingModel;
 /// policy found.
 const GRID_UNTIL: f64 = 0.4;
 const SEARCH_UNTIL: f64 = 0.75;
-/// Intervals per axis of the first grid, and the factor from one grid to the next.
-const COARSEST: f64 = 10.0;
+/// Intervals per axis of the first grid, fewer where that has too many values for its number of classes.
+const COARSEST: u32 = 10;
+const MOST_COARSE_VALUES: f64 = 1e7;
+/// The factor from one grid to the next.
 const REFINEMENT: f64 = 1.25;
 /// A refinement by less brings less than the search does in its time.
 const LEAST_REFINEMENT: f64 = 1.06;
@@ -40,18 +42,19 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
     let arrival = Belief::new(model).as_slice().to_vec();
     let tolerance = TOLERANCE * model.spec().r_max;
     let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, 0).1;
+    let work = |n: f64| resolution(n, 0.0).values(model) as f64;
+    let small = |n: &f64| work(*n) * (model.class_count() as f64) < MOST_COARSE_VALUES;
+    let mut intervals = (1..=COARSEST).rev().map(f64::from).find(small).unwrap_or(1.0);
     let coarse = |grading| {
-        let mut bound = GridBound::new(model, resolution(COARSEST, grading));
+        let mut bound = GridBound::new(model, resolution(intervals, grading));
         bound.improve(model, tolerance, || watch.over(GRID_UNTIL));
         bound
     };
     let [first, others @ ..] = GRADINGS.map(coarse);
     let mut best = others.into_iter().fold(first, |a, b| if ahead(&b) < ahead(&a) { b } else { a });
-    let mut intervals = COARSEST;
     let mut spent = watch.elapsed().as_secs_f64() / GRADINGS.len() as f64;
     loop {
         watch.report_upper(ahead(&best));
-        let work = |n: f64| resolution(n, 0.0).values(model) as f64;
         let affordable = |n: f64| spent * work(n) / work(intervals) < watch.left(GRID_UNTIL).as_secs_f64();
         let mut finer = (intervals * REFINEMENT).ceil();
         while finer > intervals * LEAST_REFINEMENT && !(affordable(finer) && work(finer) < MOST_VALUES) {
@@ -96,10 +99,11 @@ pub(super) fn searched(
     let mut graph = BeliefGraph::new(model, leaves, arrival, 0);
     let mut known =
         leaves.grid.is_some().then(|| AlphaVectors::chained(model, &leaves.policy, &[arrival.to_vec()]));
+    let most_nodes = MOST_NODES / joint_classes(model).div_ceil(16);
     let mut valued = 0;
     loop {
         let reach = Reach::new(&graph, model.discount());
-        let over = watch.over(SEARCH_UNTIL) || graph.size() > MOST_NODES || reach.leaves.is_empty();
+        let over = watch.over(SEARCH_UNTIL) || graph.size() > most_nodes || reach.leaves.is_empty();
         if over || reach.interior.len() > valued * BETWEEN_POLICIES {
             valued = reach.interior.len();
             let stop = || watch.over(if over { 1.0 } else { SEARCH_UNTIL });

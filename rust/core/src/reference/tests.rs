@@ -161,3 +161,11 @@ fn policies_of_the_graph_improve_and_stay_below_the_upper_bound() {
         });
     }
 }
+
+#[test]
+fn many_classes_begin_with_a_coarser_grid() {
+    let model = SortingModel::new(from_weights(2, 1, 12, &[0.5; 2 * 144])).unwrap();
+    let solution = solve(&model, 200);
+    assert!(solution.lower <= solution.upper);
+    assert!(solution.upper < 200.0, "{}", solution.upper);
+}
