@@ -1,6 +1,7 @@
 """`beltsort solve`: certified bounds of a model's optimal value."""
 
 from argparse import Namespace
+from pathlib import Path
 from time import monotonic
 
 from beltsort import SortingModel, solve
@@ -22,6 +23,9 @@ def add_parser(subparsers: Subparsers) -> None:
         "--seconds", type=float, default=60.0, metavar="S", help="time to spend (default: 60)"
     )
     parser.add_argument("--positions", type=int, metavar="H", help="keep the first H positions only")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="save the solution, for `beltsort.Solution.load`"
+    )
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -40,6 +44,9 @@ def run(arguments: Namespace) -> int:
             tell(f"{told - began:6.1f} s  {lower:.4f} <= V* <= {upper:.4f}")
 
     solution = solve(model, seconds=arguments.seconds, progress=report)
+    if arguments.output is not None:
+        solution.save(arguments.output)
+        tell(f"saved as {arguments.output}")
     if arguments.json:
         print_json({"lower": solution.lower, "upper": solution.upper, "seconds": solution.seconds})
     else:

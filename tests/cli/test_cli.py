@@ -168,3 +168,10 @@ def test_solve_brackets_the_optimum() -> None:
     bounds = json.loads(command("solve", PAPER, "--positions", "1", "--seconds", "5", "--json").stdout)
     assert 17.4 < bounds["lower"] <= bounds["upper"] < 17.6
     assert command("solve", PAPER, "--seconds", "0").returncode == 2
+
+
+def test_solve_saves_the_solution(tmp_path: Path) -> None:
+    path = tmp_path / "paper.solution"
+    result = command("solve", PAPER, "--seconds", "1", "--json", "-o", str(path))
+    assert json.loads(result.stdout)["lower"] == beltsort.Solution.load(path).lower
+    assert "saved as" in result.stderr

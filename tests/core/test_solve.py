@@ -1,8 +1,22 @@
 import itertools
+from pathlib import Path
 
+import numpy as np
 import pytest
 
-from beltsort import ArgumentError, Belief, Decide, Move, SortingModel, Threshold, evaluate, solve
+from beltsort import (
+    ArgumentError,
+    Belief,
+    Decide,
+    Move,
+    Solution,
+    SortingModel,
+    Threshold,
+    evaluate,
+    solve,
+)
+
+from .models import random_belief, random_model
 
 PAPER = SortingModel.load("tests/fixtures/paper.json")
 
@@ -55,3 +69,46 @@ def test_a_belief_of_another_model_is_refused() -> None:
     solution = solve(PAPER.with_positions(1), seconds=0.5)
     with pytest.raises(ArgumentError, match="another model"):
         solution.bounds(Belief(PAPER))
+
+
+def test_a_loaded_solution_answers_like_the_saved_one(tmp_path: Path) -> None:
+    path = tmp_path / "paper.solution"
+    saved = solve(PAPER, seconds=0.5)
+    saved.save(path)
+    loaded = Solution.load(path, PAPER)
+    assert (loaded.lower, loaded.upper, loaded.seconds) == (saved.lower, saved.upper, saved.seconds)
+    assert loaded.model == PAPER
+    for seed in range(20):
+        belief = random_belief(PAPER, seed)
+        assert loaded.bounds(belief) == saved.bounds(belief)
+        assert loaded.act(belief, 0) == saved.act(belief, 0)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_solution_of_another_model_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "one.solution"
+    model = random_model(1, h=1, r_min=50)
+    solve(model, seconds=0.1).save(path)
+    other = SortingModel(model.classes, model.viewpoints, model.p_obs, r_min=5)
+    with pytest.raises(ArgumentError, match="r_min: 50 in the solution, 5 in the model"):
+        Solution.load(path, other)
+    p_obs = np.array(model.p_obs)
+    p_obs[0, 1, 2] = [0.2, 0.3, 0.5]
+    with pytest.raises(
+        ArgumentError, match=r"p_obs\[0\]\[1\]\[2\]\[0\]: .* in the solution, 0.2 in the model"
+    ):
+        Solution.load(path, SortingModel(model.classes, model.viewpoints, p_obs))
+
+
+def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "damaged.solution"
+    solve(random_model(1, h=1), seconds=0.1).save(path)
+    content = path.read_bytes()
+    path.write_bytes(content[:-100])
+    with pytest.raises(ArgumentError, match=r"damaged\.solution: the file is damaged"):
+        Solution.load(path)
+    path.write_bytes(content.replace(b"solution 1", b"solution 7", 1))
+    with pytest.raises(ArgumentError, match="format version 7"):
+        Solution.load(path)
+    with pytest.raises(ArgumentError, match="cannot be read"):
+        Solution.load(tmp_path)

@@ -1,5 +1,6 @@
 //! `solve` and `Solution`.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -19,8 +20,9 @@ use crate::model::PySortingModel;
 /// References
 /// ----------
 /// Upper bound: value iteration on a grid of beliefs, convex in the belief about each object (Lovejoy,
-/// Operations Research 39, 1991). Lower bound: point-based policy iteration (Ji et al., AAAI 2007). Search:
-/// HSVI (Smith & Simmons, UAI 2004).
+/// Operations Research 39, 1991). Search and lower
+/// bound: a graph of the beliefs reached, whose policy is valued exactly, as finite-state controllers are (Hansen,
+/// UAI 1998).
 #[pyclass(frozen, name = "Solution", module = "beltsort")]
 pub struct PySolution {
     pub solution: Solution,
@@ -100,6 +102,58 @@ impl PySolution {
         let viewpoint = index("viewpoint", viewpoint)?;
         let action = py.detach(|| self.solution.act(&belief.belief, viewpoint)).map_err(to_python)?;
         actions::to_python(py, action)
+    }
+
+    /// Write the solution to disk, up to 100 MB; `load` reads it.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     Where to write; an existing file is replaced as a whole or not at all.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If the file cannot be written.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import beltsort, pathlib, tempfile
+    /// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+    /// >>> path = pathlib.Path(tempfile.mkdtemp()) / "nuts.solution"
+    /// >>> beltsort.solve(model, seconds=0.2).save(path)
+    /// >>> beltsort.Solution.load(path, model).act(beltsort.Belief(model), 0)
+    /// Move(viewpoint=0)
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.solution.save(&path)).map_err(to_python)
+    }
+
+    /// Read a solution from disk; it answers like the one that was saved.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     A file written by `save`, or by ``beltsort solve MODEL -o FILE``.
+    /// model : SortingModel, optional
+    ///     The model that it has to be a solution of; remarks and label counts may differ.
+    ///
+    /// Returns
+    /// -------
+    /// Solution
+    ///     The solution.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If the file cannot be read, is damaged or of another version, or solves another model than the one
+    ///     given; the first difference is named.
+    #[staticmethod]
+    #[pyo3(signature = (path, model=None))]
+    fn load(py: Python<'_>, path: PathBuf, model: Option<&PySortingModel>) -> PyResult<Self> {
+        let given = model.map(|model| &*model.0);
+        let solution = py.detach(|| Solution::load(&path, given)).map_err(to_python)?;
+        let model = Arc::new(solution.model().clone());
+        Ok(Self { solution, model })
     }
 
     fn __repr__(&self) -> String {

@@ -1,49 +1,76 @@
-//! Exact beliefs that can be reached, each with certified bounds: heuristic search in the belief graph.
+//! Exact beliefs that can be reached, with certified upper bounds.
 //!
-//! The order of looks does not matter to a belief, so paths meet again and a graph is far smaller than a tree. Every
-//! action of an expanded node leads to exact posteriors with exact probabilities; bounds come from the leaves:
-//! below, the value of executing the one-object policy from there; above, the grid. Bellman backups keep both proved.
-//! Trials follow HSVI (Smith & Simmons 2004): the action with the highest upper bound, the label vector that
-//! contributes most to the gap.
+//! The order of looks does not matter to a belief, and after a decision beliefs recur, so paths meet again and close
+//! into cycles: a graph is far smaller than a tree. Posteriors and their probabilities are exact. Where the graph
+//! ends the grid bounds the value from above; Bellman backups carry that inwards.
+//!
+//! An action whose grid value is below the best one's bound is only valued, never followed.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::LeafBounds;
+use super::objects::{ObjectId, Objects};
 use crate::belief::most_likely;
-use crate::model::SortingModel;
-use crate::one_object::dot;
+use crate::bounds;
+use crate::model::{Action, SortingModel};
 
-/// Beliefs that agree to this much count as equal; it moves a value by less than [`super::SLACK`].
-const RESOLUTION: f64 = 1e-11;
-/// Part of the root's gap that a trial does not look below.
-const TARGET: f64 = 0.5;
+/// Nodes of the graph up to 16 joint classes, fewer beyond; each takes about 300 bytes, its actions and its value as a
+/// policy included.
+pub(super) const MOST_NODES: usize = 12_000_000;
+/// No actions yet.
+const NONE: u32 = u32::MAX;
 
-type NodeId = u32;
-type Key = (usize, Vec<u64>);
+pub(super) type NodeId = u32;
 
-/// A belief with the camera in one viewpoint group.
-struct Node {
-    group: usize,
-    /// One distribution per position.
-    belief: Vec<f64>,
-    lower: f64,
-    upper: f64,
-    /// Empty before expansion.
-    edges: Vec<Edge>,
-}
+/// Where the search begins. It also follows labels that are impossible: then any policy will do.
+pub(super) const ROOT: NodeId = 0;
 
-struct Edge {
+/// An action at a node: deciding, or one of the legal moves.
+#[derive(Clone)]
+struct Arm {
     reward: f64,
-    /// Next node and its probability.
-    children: Vec<(NodeId, f64)>,
+    upper: f64,
+    /// Its children; empty before it is followed.
+    start: u32,
+    end: u32,
 }
 
-/// The graph; node 0 is the root.
+impl Arm {
+    fn children(&self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+}
+
+/// An action with what it leads to.
+pub(super) struct Step<'a> {
+    pub action: Action,
+    pub reward: f64,
+    pub children: &'a [NodeId],
+    pub probabilities: &'a [f64],
+}
+
+/// What one action leads to: rows of places, and their probabilities.
+struct Outcomes {
+    places: Vec<u32>,
+    probabilities: Vec<f64>,
+}
+
+/// The graph.
 pub(super) struct BeliefGraph<'a> {
     model: &'a SortingModel,
     leaves: &'a LeafBounds,
-    nodes: Vec<Node>,
-    known: HashMap<Key, NodeId>,
+    objects: Objects<'a>,
+    /// Per node the camera's viewpoint group, then the object at each position.
+    places: Vec<u32>,
+    upper: Vec<f64>,
+    /// Where the arms of each node begin: deciding, then the legal moves.
+    first_arm: Vec<u32>,
+    arms: Vec<Arm>,
+    /// Child and probability, arm by arm.
+    children: Vec<NodeId>,
+    probabilities: Vec<f64>,
+    known: HashMap<Box<[u32]>, NodeId>,
 }
 
 impl<'a> BeliefGraph<'a> {
@@ -53,143 +80,200 @@ impl<'a> BeliefGraph<'a> {
         root: &[f64],
         viewpoint: usize,
     ) -> Self {
-        let mut graph = Self { model, leaves, nodes: Vec::new(), known: HashMap::new() };
-        graph.node(leaves.policy.group(viewpoint), root.to_vec());
+        let mut graph = Self {
+            model,
+            leaves,
+            objects: Objects::new(model, leaves.grid.as_ref()),
+            places: Vec::new(),
+            upper: Vec::new(),
+            first_arm: Vec::new(),
+            arms: Vec::new(),
+            children: Vec::new(),
+            probabilities: Vec::new(),
+            known: HashMap::new(),
+        };
+        let mut places = vec![place(leaves.policy.group(viewpoint))];
+        places.extend(root.chunks_exact(model.class_count()).map(|belief| graph.objects.id(belief)));
+        graph.node(&places);
         graph
-    }
-
-    /// Bounds of the root.
-    pub(super) fn bounds(&self) -> (f64, f64) {
-        (self.nodes[0].lower, self.nodes[0].upper)
     }
 
     /// Number of nodes.
     pub(super) fn size(&self) -> usize {
-        self.nodes.len()
+        self.upper.len()
     }
 
-    /// One trial: down to where the gap no longer matters, then backups on the way up.
-    pub(super) fn trial(&mut self) {
-        let mut path = Vec::new();
-        let (mut node, mut target) = (0, TARGET * self.gap(0));
-        loop {
-            if self.nodes[node].edges.is_empty() {
-                self.expand(node);
+    pub(super) fn upper(&self, node: NodeId) -> f64 {
+        self.upper[node as usize]
+    }
+
+    /// A node's belief, one distribution per position, and a viewpoint of its group.
+    pub(super) fn belief(&self, node: NodeId) -> (Vec<f64>, usize) {
+        let places = self.places_of(node);
+        let belief = places[1..].iter().flat_map(|object| self.objects.belief(*object)).copied().collect();
+        (belief, self.leaves.policy.representative(places[0] as usize))
+    }
+
+    /// The step with the highest upper bound; none if the graph ends here.
+    pub(super) fn followed(&self, node: NodeId) -> Option<Step<'_>> {
+        let best = self.best_arm(node)?;
+        let arm = &self.arms[best];
+        (arm.start < arm.end).then(|| Step {
+            action: self.action(node, best - self.first_arm[node as usize] as usize),
+            reward: arm.reward,
+            children: &self.children[arm.children()],
+            probabilities: &self.probabilities[arm.children()],
+        })
+    }
+
+    /// Follow the action with the highest upper bound.
+    pub(super) fn expand(&mut self, node: NodeId) {
+        if self.first_arm[node as usize] == NONE {
+            self.first_arm[node as usize] = place(self.arms.len());
+            for arm in 0..self.arm_count(node) {
+                self.value_arm(node, arm);
             }
-            path.push(node);
-            target /= self.model.discount();
-            match self.most_uncertain_child(node, target) {
-                Some(child) => node = child,
-                None => break,
+        }
+        if let Some(arm) = self.best_arm(node) {
+            let outcomes = self.outcomes(node, arm - self.first_arm[node as usize] as usize);
+            let start = place(self.children.len());
+            for (places, p) in outcomes.places.chunks_exact(self.stride()).zip(&outcomes.probabilities) {
+                let child = if *p > 0.0 { self.node(places) } else { ROOT };
+                self.children.push(child);
+            }
+            self.probabilities.extend(outcomes.probabilities);
+            (self.arms[arm].start, self.arms[arm].end) = (start, place(self.children.len()));
+        }
+        self.back_up(node);
+    }
+
+    /// Bellman's equation for the upper bound, which never rises; only actions that may be the best are valued anew.
+    pub(super) fn back_up(&mut self, node: NodeId) {
+        while let Some(best) = self.best_arm(node) {
+            let arm = &self.arms[best];
+            let upper = if arm.start == arm.end { arm.upper } else { self.worth(arm).min(arm.upper) };
+            let fell = upper < arm.upper;
+            self.arms[best].upper = upper;
+            if !fell {
+                self.upper[node as usize] = self.upper[node as usize].min(upper);
+                return;
             }
         }
-        for node in path.into_iter().rev() {
-            self.back_up(node);
+    }
+
+    fn worth(&self, arm: &Arm) -> f64 {
+        let weighted = self.children[arm.children()].iter().zip(&self.probabilities[arm.children()]);
+        let expected: f64 = weighted.map(|(child, p)| p * self.upper[*child as usize]).sum();
+        arm.reward + self.model.discount() * expected
+    }
+
+    /// The arm with the highest upper bound (the first among equals); none before the node has any.
+    fn best_arm(&self, node: NodeId) -> Option<usize> {
+        let first = self.first_arm[node as usize];
+        if first == NONE {
+            return None;
+        }
+        let arms = first as usize..first as usize + self.arm_count(node);
+        arms.reduce(|a, b| if self.arms[b].upper > self.arms[a].upper { b } else { a })
+    }
+
+    fn viewpoint(&self, node: NodeId) -> usize {
+        self.leaves.policy.representative(self.places_of(node)[0] as usize)
+    }
+
+    fn arm_count(&self, node: NodeId) -> usize {
+        1 + self.model.legal_moves(self.viewpoint(node)).len()
+    }
+
+    fn value_arm(&mut self, node: NodeId, arm: usize) {
+        let outcomes = self.outcomes(node, arm);
+        let rows = outcomes.places.chunks_exact(self.stride()).zip(&outcomes.probabilities);
+        let possible = rows.filter(|(_, p)| **p > 0.0);
+        let expected: f64 = possible.map(|(places, p)| p * self.leaf_bound(places)).sum();
+        let reward = match self.action(node, arm) {
+            Action::Decide(label) => self.model.decision_reward(self.belief_at_end(node)[label]),
+            Action::Move(to) => -self.model.motion_cost(self.viewpoint(node), to),
+        };
+        let upper = reward + self.model.discount() * expected;
+        self.arms.push(Arm { reward, upper, start: 0, end: 0 });
+    }
+
+    fn action(&self, node: NodeId, arm: usize) -> Action {
+        match arm {
+            0 => Action::Decide(most_likely(self.belief_at_end(node)).0),
+            _ => Action::Move(self.model.legal_moves(self.viewpoint(node))[arm - 1]),
         }
     }
 
-    fn gap(&self, node: usize) -> f64 {
-        self.nodes[node].upper - self.nodes[node].lower
+    fn belief_at_end(&self, node: NodeId) -> &[f64] {
+        self.objects.belief(self.places_of(node)[1])
     }
 
-    fn most_uncertain_child(&self, node: usize, target: f64) -> Option<usize> {
-        let edges = &self.nodes[node].edges;
-        let best = edges
-            .iter()
-            .map(|edge| (edge, self.worth(edge).1))
-            .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-        best.0
-            .children
-            .iter()
-            .map(|(child, p)| (*child as usize, p * (self.gap(*child as usize) - target)))
-            .filter(|(_, excess)| *excess > 0.0)
-            .reduce(|a, b| if b.1 > a.1 { b } else { a })
-            .map(|(child, _)| child)
-    }
-
-    /// Bellman's equation for both bounds; neither ever loosens.
-    fn back_up(&mut self, node: usize) {
-        let worths = self.nodes[node].edges.iter().map(|edge| self.worth(edge));
-        let best = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
-        let (lower, upper) = worths.fold((f64::NEG_INFINITY, f64::NEG_INFINITY), best);
-        let node = &mut self.nodes[node];
-        node.lower = node.lower.max(lower);
-        node.upper = node.upper.min(upper);
-    }
-
-    /// Bounds of an action's value.
-    fn worth(&self, edge: &Edge) -> (f64, f64) {
-        let (mut lower, mut upper) = (0.0, 0.0);
-        for (child, p) in &edge.children {
-            lower += p * self.nodes[*child as usize].lower;
-            upper += p * self.nodes[*child as usize].upper;
+    fn outcomes(&mut self, node: NodeId, arm: usize) -> Outcomes {
+        let Action::Move(to) = self.action(node, arm) else {
+            let places = self.places_of(node);
+            let arrival: ObjectId = 0;
+            let places = [&places[..1], &places[2..], &[arrival]].concat();
+            return Outcomes { places, probabilities: vec![1.0] };
+        };
+        let mut rows =
+            Outcomes { places: vec![place(self.leaves.policy.group(to))], probabilities: vec![1.0] };
+        for j in 0..self.model.position_count() {
+            let look = self.objects.look(self.places_of(node)[1 + j], j, to);
+            rows = rows.with(1 + j, self.objects.outcomes(look));
         }
-        (edge.reward + self.model.discount() * lower, edge.reward + self.model.discount() * upper)
+        rows
     }
 
-    fn expand(&mut self, node: usize) {
-        let (group, belief) = (self.nodes[node].group, self.nodes[node].belief.clone());
-        let from = self.leaves.policy.representative(group);
-        let mut edges = vec![self.decide(group, &belief)];
-        for &to in self.model.legal_moves(from) {
-            edges.push(self.move_to(from, to, &belief));
-        }
-        self.nodes[node].edges = edges;
+    fn stride(&self) -> usize {
+        1 + self.model.position_count()
     }
 
-    fn decide(&mut self, group: usize, belief: &[f64]) -> Edge {
-        let l = self.model.class_count();
-        let (_, p_right) = most_likely(&belief[..l]);
-        let next = self.node(group, [&belief[l..], self.model.arrival().as_slice()].concat());
-        let reward = self.model.decision_reward(p_right);
-        Edge { reward, children: vec![(next, 1.0)] }
-    }
-
-    fn move_to(&mut self, from: usize, to: usize, belief: &[f64]) -> Edge {
-        let mut outcomes = vec![(1.0, Vec::new())];
-        for (j, position) in belief.chunks_exact(self.model.class_count()).enumerate() {
-            let posteriors = posteriors(self.model, j, to, position);
-            outcomes = outcomes
-                .iter()
-                .flat_map(|(p, known)| {
-                    posteriors.iter().map(move |(q, b)| (p * q, [known.as_slice(), b].concat()))
-                })
-                .collect();
-        }
-        let group = self.leaves.policy.group(to);
-        let children = outcomes.into_iter().map(|(p, belief)| (self.node(group, belief), p)).collect();
-        Edge { reward: -self.model.motion_cost(from, to), children }
+    fn places_of(&self, node: NodeId) -> &[u32] {
+        &self.places[node as usize * self.stride()..][..self.stride()]
     }
 
     /// The node of a belief, new or known.
-    fn node(&mut self, group: usize, belief: Vec<f64>) -> NodeId {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a probability over 1e-11
-        let key = (group, belief.iter().map(|b| (b / RESOLUTION).round() as u64).collect());
-        if let Some(known) = self.known.get(&key) {
+    fn node(&mut self, places: &[u32]) -> NodeId {
+        if let Some(known) = self.known.get(places) {
             return *known;
         }
-        let (lower, upper) =
-            self.leaves.bounds(self.model, &belief, self.leaves.policy.representative(group));
-        // The search stops long before 2^32 nodes: see `super::MOST_NODES`.
-        #[allow(clippy::cast_possible_truncation)]
-        let id = self.nodes.len() as NodeId;
-        self.nodes.push(Node { group, belief, lower, upper: upper.max(lower), edges: Vec::new() });
-        self.known.insert(key, id);
+        let id = place(self.upper.len());
+        self.places.extend(places);
+        self.upper.push(self.leaf_bound(places));
+        self.first_arm.push(NONE);
+        self.known.insert(places.into(), id);
         id
+    }
+
+    fn leaf_bound(&self, places: &[u32]) -> f64 {
+        let objects = &places[1..];
+        if let Some(grid) = &self.leaves.grid {
+            let behind = objects.get(1).map_or(&[(0, 1.0)][..], |object| self.objects.located(*object));
+            return grid.mixture(self.objects.located(objects[0]), behind);
+        }
+        let belief: Vec<f64> = objects.iter().flat_map(|o| self.objects.belief(*o)).copied().collect();
+        bounds::upper(self.model, &belief, self.leaves.policy.representative(places[0] as usize))
     }
 }
 
-/// Probability and posterior of each possible label of one position.
-fn posteriors(
-    model: &SortingModel,
-    position: usize,
-    viewpoint: usize,
-    belief: &[f64],
-) -> Vec<(f64, Vec<f64>)> {
-    let table = model.table(position, viewpoint);
-    let weighted = table.column_iter().map(|column| (dot(belief, column.as_slice()), column));
-    weighted
-        .filter(|(p, _)| *p > 0.0)
-        .map(|(p, column)| (p, belief.iter().zip(column.iter()).map(|(b, o)| b * o / p).collect()))
-        .collect()
+impl Outcomes {
+    /// Every row followed by every outcome of one more object.
+    fn with(&self, stride: usize, outcomes: &[(ObjectId, f64)]) -> Self {
+        let mut longer = Self { places: Vec::new(), probabilities: Vec::new() };
+        for (row, p) in self.places.chunks_exact(stride).zip(&self.probabilities) {
+            for (object, q) in outcomes {
+                longer.places.extend(row);
+                longer.places.push(*object);
+                longer.probabilities.push(p * q);
+            }
+        }
+        longer
+    }
+}
+
+/// An index as the arenas hold it: they stay far below 2^32 entries, see [`MOST_NODES`].
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn place(index: usize) -> u32 {
+    index as u32
 }

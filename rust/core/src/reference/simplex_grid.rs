@@ -6,7 +6,7 @@
 //! because equal levels are shared by all axes.
 
 /// A belief as a convex combination of grid points: pairs of (point, weight).
-pub(super) type Combination = Vec<(usize, f64)>;
+pub(super) type Combination = Vec<(u32, f64)>;
 
 /// Levels on every axis, and the points they span.
 #[derive(Debug, Clone)]
@@ -19,17 +19,24 @@ pub(super) struct SimplexGrid {
 }
 
 impl SimplexGrid {
-    /// A grid of `intervals` per axis, finer towards 0 and 1.
+    /// A grid of `intervals` per axis, finer towards 0 and 1, with a point at `anchor` if it is fine enough.
     ///
     /// `grading` 0 spaces levels evenly, 1 by a quarter-cosine towards both ends.
-    pub(super) fn new(classes: usize, intervals: usize, grading: f64) -> Self {
+    pub(super) fn new(anchor: &[f64], intervals: usize, grading: f64) -> Self {
+        let classes = anchor.len();
+        let graded = |x: f64| 0.5 - 0.5 * (std::f64::consts::PI * x).cos();
         let level = |i: usize| {
             let even = i as f64 / intervals as f64;
-            let graded = 0.5 - 0.5 * (std::f64::consts::PI * even).cos();
-            (1.0 - grading) * even + grading * graded
+            let (blunt, sharp) =
+                if grading <= 1.0 { (even, graded(even)) } else { (graded(even), graded(graded(even))) };
+            let part = if grading <= 1.0 { grading } else { grading - 1.0 };
+            (1.0 - part) * blunt + part * sharp
         };
         let mut levels: Vec<f64> = (0..=intervals).map(level).collect();
         (levels[0], levels[intervals]) = (0.0, 1.0);
+        for coordinate in cumulated(anchor) {
+            move_nearest(&mut levels, coordinate);
+        }
         Self { classes, levels, binomials: binomials(intervals + classes, classes) }
     }
 
@@ -57,12 +64,7 @@ impl SimplexGrid {
     /// A belief as a combination of at most L points.
     pub(super) fn locate(&self, belief: &[f64]) -> Combination {
         let axes = self.classes - 1;
-        let mut cumulated = vec![0.0; axes];
-        let mut sum = 0.0;
-        for axis in (0..axes).rev() {
-            sum += belief[axis + 1];
-            cumulated[axis] = f64::min(sum, 1.0);
-        }
+        let cumulated = cumulated(belief);
         let mut index: Vec<usize> = cumulated.iter().map(|s| self.cell(*s)).collect();
         let fractions: Vec<f64> = cumulated.iter().zip(&index).map(|(s, i)| self.fraction(*s, *i)).collect();
         let mut order: Vec<usize> = (0..axes).collect();
@@ -105,19 +107,42 @@ impl SimplexGrid {
     }
 }
 
-fn push(combination: &mut Combination, point: usize, weight: f64) {
-    if weight > 0.0 {
-        combination.push((point, weight));
+fn cumulated(belief: &[f64]) -> Vec<f64> {
+    let mut cumulated = belief[1..].to_vec();
+    let mut sum = 0.0;
+    for coordinate in cumulated.iter_mut().rev() {
+        sum += *coordinate;
+        *coordinate = f64::min(sum, 1.0);
+    }
+    cumulated
+}
+
+/// Move the level nearest to a coordinate there, but no end and none past another.
+fn move_nearest(levels: &mut [f64], coordinate: f64) {
+    let above = levels.partition_point(|level| *level <= coordinate);
+    let distance = |i: &usize| (levels[*i] - coordinate).abs();
+    let inner = |i: &usize| (1..levels.len() - 1).contains(i);
+    let nearest =
+        [above - 1, above].into_iter().filter(inner).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    if let Some(nearest) = nearest.filter(|i| levels[i - 1] < coordinate && coordinate < levels[i + 1]) {
+        levels[nearest] = coordinate;
     }
 }
 
-/// Pascal's triangle up to `n` over `k`.
+#[allow(clippy::cast_possible_truncation)] // a grid of 2^32 points fits no memory
+fn push(combination: &mut Combination, point: usize, weight: f64) {
+    if weight > 0.0 {
+        combination.push((point as u32, weight));
+    }
+}
+
+/// Pascal's triangle up to `n` over `k`; a grid as large as numbers can be is never made.
 fn binomials(n: usize, k: usize) -> Vec<Vec<usize>> {
     let mut rows = vec![vec![0; k + 1]; n + 1];
     for i in 0..=n {
         rows[i][0] = 1;
         for j in 1..=k.min(i) {
-            rows[i][j] = rows[i - 1][j - 1] + if j < i { rows[i - 1][j] } else { 0 };
+            rows[i][j] = usize::saturating_add(rows[i - 1][j - 1], if j < i { rows[i - 1][j] } else { 0 });
         }
     }
     rows
@@ -145,13 +170,13 @@ mod tests {
             belief[0] += 1e-3;
             let sum: f64 = belief.iter().sum();
             let belief: Vec<f64> = belief.iter().map(|b| b / sum).collect();
-            let grid = SimplexGrid::new(belief.len(), intervals, grading);
+            let grid = SimplexGrid::new(&belief, intervals, grading);
             let points = grid.points();
             let combination = grid.locate(&belief);
             prop_assert!(combination.len() <= belief.len());
             prop_assert!((combination.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
             for class in 0..belief.len() {
-                let b: f64 = combination.iter().map(|(i, w)| w * points[*i][class]).sum();
+                let b: f64 = combination.iter().map(|(i, w)| w * points[*i as usize][class]).sum();
                 prop_assert!((b - belief[class]).abs() < 1e-12);
             }
         }
@@ -159,13 +184,13 @@ mod tests {
 
     #[test]
     fn every_point_is_its_own_combination() {
-        let grid = SimplexGrid::new(4, 6, 0.7);
+        let grid = SimplexGrid::new(&[0.25; 4], 6, 0.7);
         let points = grid.points();
         assert_eq!(points.len(), 84);
         for (i, point) in points.iter().enumerate() {
             assert!((point.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             let combination = grid.locate(point);
-            let weight: f64 = combination.iter().filter(|(j, _)| *j == i).map(|(_, w)| w).sum();
+            let weight: f64 = combination.iter().filter(|(j, _)| *j as usize == i).map(|(_, w)| w).sum();
             assert!(weight > 1.0 - 1e-9, "{combination:?}");
         }
     }

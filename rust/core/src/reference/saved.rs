@@ -1,0 +1,170 @@
+//! Solutions on disk.
+//!
+//! A file is a line that names the format and its version, a line of JSON ([`Header`]), the grid's values (`f32`), the
+//! policies' values (`f64`, a row per policy), and a checksum (`u64`) of all that; numbers are little-endian.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+use std::time::Duration;
+
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use super::alpha::{AlphaVectors, joint_classes};
+use super::difference::first_difference;
+use super::upper::{GridBound, Resolution};
+use super::{LeafBounds, Solution};
+use crate::error::{Error, Result, argument_error};
+use crate::model::{ModelSpec, SortingModel};
+use crate::one_object::OneObjectPolicy;
+
+const FORMAT: &str = "beltsort solution ";
+const VERSION: &str = "1";
+const CHECKSUM_BYTES: usize = 8;
+
+#[derive(Serialize, Deserialize)]
+struct Header {
+    model: ModelSpec,
+    lower: f64,
+    upper: f64,
+    seconds: f64,
+    /// Nothing for models that are solved without a grid.
+    grid: Option<Resolution>,
+    /// Rows of the policies' values.
+    policies: usize,
+}
+
+impl Solution {
+    /// Write the solution to disk: to a new file that then takes the place of an old one.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] naming the file if it cannot be written.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let unwritten = |e: &dyn std::fmt::Display| {
+            Error::Argument(format!("{}: the solution cannot be written: {e}", path.display()))
+        };
+        let bytes = self.to_bytes().map_err(|e| unwritten(&e))?;
+        let Some(name) = path.file_name() else { return Err(unwritten(&"the path names no file")) };
+        let beside = path.with_file_name(format!(".{}.{}", name.to_string_lossy(), std::process::id()));
+        let written = File::create(&beside)
+            .and_then(|mut file| file.write_all(&bytes).and_then(|()| file.sync_all()))
+            .and_then(|()| std::fs::rename(&beside, path));
+        written.map_err(|e| {
+            // What is left of it, if anything; the first error is the one to tell.
+            let _ = std::fs::remove_file(&beside);
+            unwritten(&e)
+        })
+    }
+
+    /// Read a solution from disk, of `model` if one is given; it answers like the one that was saved.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if the file cannot be read, is damaged, has another version, or holds the solution of
+    /// another model; then it names the first difference.
+    pub fn load(path: &Path, model: Option<&SortingModel>) -> Result<Self> {
+        let in_file = |reason: String| Error::Argument(format!("{}: {reason}", path.display()));
+        let bytes = std::fs::read(path).map_err(|e| in_file(format!("the solution cannot be read: {e}")))?;
+        let solution = Self::from_bytes(&bytes).map_err(|e| in_file(e.to_string()))?;
+        match model.map_or(Ok(None), |model| first_difference(solution.model.spec(), model.spec()))? {
+            None => Ok(solution),
+            Some(difference) => {
+                Err(in_file(format!("the solution is of another model: {difference}; solve this one")))
+            }
+        }
+    }
+
+    fn to_bytes(&self) -> serde_json::Result<Vec<u8>> {
+        let (grid, alphas) = (self.leaves.grid.as_ref(), self.leaves.alphas.as_ref());
+        let header = Header {
+            model: self.model.spec().clone(),
+            lower: self.lower,
+            upper: self.upper,
+            seconds: self.elapsed.as_secs_f64(),
+            grid: grid.map(|grid| grid.resolution),
+            policies: alphas.map_or(0, |alphas| alphas.0.nrows()),
+        };
+        let mut bytes = format!("{FORMAT}{VERSION}\n{}\n", serde_json::to_string(&header)?).into_bytes();
+        bytes.extend(grid.iter().flat_map(|grid| &grid.values).flat_map(|value| value.to_le_bytes()));
+        let rows = alphas.iter().flat_map(|alphas| alphas.0.row_iter());
+        for row in rows {
+            bytes.extend(row.iter().flat_map(|value| value.to_le_bytes()));
+        }
+        bytes.extend(checksum(&bytes).to_le_bytes());
+        Ok(bytes)
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let (header, payload) = opened(bytes)?;
+        let model = SortingModel::new(header.model)?;
+        let grid = header.grid.map(|resolution| GridBound::new(&model, resolution));
+        let states = joint_classes(&model);
+        let (values, rows) =
+            payload.split_at_checked(4 * grid.as_ref().map_or(0, |g| g.values.len())).unzip();
+        let (Some(values), Some(rows)) =
+            (values, rows.filter(|rows| rows.len() == 8 * header.policies * states))
+        else {
+            return argument_error(
+                "the file is damaged: its length contradicts its header; save the solution anew",
+            );
+        };
+        let grid = grid.map(|mut grid| {
+            let stored = values.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+            grid.values.iter_mut().zip(stored).for_each(|(value, stored)| *value = stored);
+            grid
+        });
+        let stored = rows.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
+        let alphas =
+            grid.is_some().then(|| AlphaVectors(DMatrix::from_row_iterator(header.policies, states, stored)));
+        let leaves = LeafBounds { policy: OneObjectPolicy::solve(&model), grid, alphas };
+        let elapsed = Duration::try_from_secs_f64(header.seconds).unwrap_or_default();
+        Ok(Self { model, leaves, lower: header.lower, upper: header.upper, elapsed })
+    }
+}
+
+/// The header, and what is between it and the checksum.
+fn opened(bytes: &[u8]) -> Result<(Header, &[u8])> {
+    let Some((version, rest)) = bytes.strip_prefix(FORMAT.as_bytes()).and_then(line) else {
+        return argument_error(
+            "this is no solution of beltsort; write one with `beltsort solve MODEL -o FILE`",
+        );
+    };
+    if version != VERSION.as_bytes() {
+        return argument_error(format!(
+            "the solution has format version {}, this beltsort reads {VERSION}; solve the model anew",
+            String::from_utf8_lossy(version)
+        ));
+    }
+    let intact = bytes.split_last_chunk::<CHECKSUM_BYTES>();
+    let Some((_, stored)) = intact.filter(|(body, stored)| checksum(body) == u64::from_le_bytes(**stored))
+    else {
+        return argument_error("the file is damaged: its checksum is wrong; save the solution anew");
+    };
+    let Some((header, payload)) = line(rest) else {
+        return argument_error("the file is damaged: it has no header; save the solution anew");
+    };
+    let header = serde_json::from_slice(header).map_err(|e| {
+        Error::Argument(format!("the file is damaged: its header: {e}; save the solution anew"))
+    })?;
+    Ok((header, &payload[..payload.len() - stored.len()]))
+}
+
+/// What is before and behind the first end of a line.
+fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let end = bytes.iter().position(|byte| *byte == b'\n')?;
+    Some((&bytes[..end], &bytes[end + 1..]))
+}
+
+/// FNV-1a over words of 8 bytes, then over the bytes that are left.
+fn checksum(bytes: &[u8]) -> u64 {
+    let (words, rest) = bytes.as_chunks::<8>();
+    let words = words.iter().map(|word| u64::from_le_bytes(*word));
+    words.chain(rest.iter().map(|byte| u64::from(*byte))).fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+        // The rotation lets high bits reach low ones.
+        (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23)
+    })
+}
+
+#[cfg(test)]
+#[path = "saved_tests.rs"]
+mod tests;

@@ -1,0 +1,144 @@
+//! The stages of the solver: what is done, in which part of the time.
+
+use std::time::Instant;
+
+use super::LeafBounds;
+use super::alpha::{AlphaVectors, joint_classes};
+use super::controller::Controller;
+use super::evaluation::policy_value;
+use super::graph::{BeliefGraph, MOST_NODES, ROOT};
+use super::reach::Reach;
+use super::upper::{GridBound, Resolution};
+use super::watch::Watch;
+use crate::belief::Belief;
+use crate::model::SortingModel;
+
+/// Parts of the time after which the grid, and the searches, have had their share; the rest is for valuing the
+/// policy found.
+const GRID_UNTIL: f64 = 0.4;
+const SEARCH_UNTIL: f64 = 0.75;
+/// Intervals per axis of the first grid, fewer where that has too many values for its number of classes.
+const COARSEST: u32 = 10;
+const MOST_COARSE_VALUES: f64 = 1e7;
+/// The factor from one grid to the next.
+const REFINEMENT: f64 = 1.25;
+/// A refinement by less brings less than the search does in its time.
+const LEAST_REFINEMENT: f64 = 1.06;
+/// Gradings tried on a coarse grid; which is best depends on how sharply decisions are punished.
+const GRADINGS: [f64; 4] = [0.0, 0.6, 1.0, 1.4];
+/// Values of the finest grid, each of 4 bytes, twice.
+const MOST_VALUES: f64 = 1e8;
+/// Values of a grid to keep, and to save: less than 100 MB.
+const MOST_KEPT: f64 = 2.4e7;
+/// Differences that have settled to this part of `r_max` have converged; refining then gains more.
+const TOLERANCE: f64 = 1e-4;
+/// Growth of the graph from one policy to the next.
+const BETWEEN_POLICIES: usize = 3;
+/// A gap, as a part of `r_max`, at which there is nothing left to do.
+const SOLVED: f64 = 1e-6;
+
+/// The grid bound, refined from coarse to fine.
+pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBound {
+    let arrival = Belief::new(model).as_slice().to_vec();
+    let tolerance = TOLERANCE * model.spec().r_max;
+    let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, 0).1;
+    let work = |n: f64| resolution(n, 0.0).values(model) as f64;
+    let small = |n: &f64| work(*n) * (model.class_count() as f64) < MOST_COARSE_VALUES;
+    let mut intervals = (1..=COARSEST).rev().map(f64::from).find(small).unwrap_or(1.0);
+    let coarse = |grading| {
+        let mut bound = GridBound::new(model, resolution(intervals, grading));
+        bound.improve(model, tolerance, || watch.over(GRID_UNTIL));
+        bound
+    };
+    let [first, others @ ..] = GRADINGS.map(coarse);
+    let mut best = others.into_iter().fold(first, |a, b| if ahead(&b) < ahead(&a) { b } else { a });
+    let mut spent = watch.elapsed().as_secs_f64() / GRADINGS.len() as f64;
+    loop {
+        watch.report_upper(ahead(&best));
+        let affordable = |n: f64| spent * work(n) / work(intervals) < watch.left(GRID_UNTIL).as_secs_f64();
+        let mut finer = (intervals * REFINEMENT).ceil();
+        while finer > intervals * LEAST_REFINEMENT && !(affordable(finer) && work(finer) < MOST_VALUES) {
+            finer -= 1.0;
+        }
+        if finer <= intervals * LEAST_REFINEMENT || watch.over(GRID_UNTIL) {
+            return best;
+        }
+        let began = Instant::now();
+        let mut bound = best.refined(model, resolution(finer, best.resolution.grading));
+        bound.improve(model, tolerance, || watch.over(GRID_UNTIL));
+        if ahead(&bound) < ahead(&best) {
+            best = bound;
+        }
+        (intervals, spent) = (finer, began.elapsed().as_secs_f64());
+    }
+}
+
+/// The bound on a grid of a size to keep.
+pub(super) fn thinned(model: &SortingModel, grid: GridBound) -> GridBound {
+    let mut kept = grid.resolution;
+    while kept.values(model) as f64 > MOST_KEPT {
+        kept.intervals -= 1;
+    }
+    if kept == grid.resolution { grid } else { grid.refined(model, kept) }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a small whole number
+pub(super) fn resolution(intervals: f64, grading: f64) -> Resolution {
+    Resolution { intervals: intervals as usize, grading }
+}
+
+/// The belief graph, grown from the arrival prior in the rest of the time, and a policy from it now and then.
+///
+/// Returns the policies found; none for models without a grid.
+pub(super) fn searched(
+    model: &SortingModel,
+    leaves: &LeafBounds,
+    arrival: &[f64],
+    watch: &Watch<'_>,
+) -> Option<AlphaVectors> {
+    let mut graph = BeliefGraph::new(model, leaves, arrival, 0);
+    let mut known =
+        leaves.grid.is_some().then(|| AlphaVectors::chained(model, &leaves.policy, &[arrival.to_vec()]));
+    let most_nodes = MOST_NODES / joint_classes(model).div_ceil(16);
+    let mut valued = 0;
+    loop {
+        let reach = Reach::new(&graph, model.discount());
+        let over = watch.over(SEARCH_UNTIL) || graph.size() > most_nodes || reach.leaves.is_empty();
+        if over || reach.interior.len() > valued * BETWEEN_POLICIES {
+            valued = reach.interior.len();
+            let stop = || watch.over(if over { 1.0 } else { SEARCH_UNTIL });
+            match &mut known {
+                Some(known) => controlled(model, &graph, &reach, known, watch, stop),
+                None => watch.report_lower(policy_value(model, &leaves.policy, &graph, &reach, stop)),
+            }
+        }
+        if over || watch.gap() < SOLVED * model.spec().r_max {
+            return known;
+        }
+        reach.grow(&mut graph, || watch.over(SEARCH_UNTIL));
+        watch.report_upper(graph.upper(ROOT));
+    }
+}
+
+/// Improve the graph's policy with the policies known, and these with it, until it no longer gains.
+fn controlled(
+    model: &SortingModel,
+    graph: &BeliefGraph<'_>,
+    reach: &Reach,
+    known: &mut AlphaVectors,
+    watch: &Watch<'_>,
+    stop: impl Fn() -> bool,
+) {
+    let mut controller = Controller::new(model, graph, reach, known);
+    let mut lower = f64::NEG_INFINITY;
+    while !stop() {
+        controller.improve(known, &stop);
+        let improved = controller.value();
+        if improved < lower + TOLERANCE * model.spec().r_max {
+            return;
+        }
+        watch.report_lower(improved);
+        *known = controller.alphas();
+        lower = improved;
+    }
+}
