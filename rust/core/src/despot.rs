@@ -37,6 +37,7 @@ use crate::bounds;
 use crate::error::Result;
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
+use crate::reference::CoarseBound;
 use crate::scenario::Randoms;
 use crate::tree::{Node, Values, indices};
 
@@ -65,6 +66,8 @@ pub struct Despot {
     /// Discount down to each depth.
     discounts: Vec<f64>,
     shortfall: Shortfall,
+    /// For plans' certificates; the search has bounds of its own.
+    certificate: Option<Arc<CoarseBound>>,
     randoms: Arc<Randoms>,
     pool: Pool,
 }
@@ -82,6 +85,7 @@ impl Despot {
         let power = |previous: &f64| Some(previous * model.discount());
         Ok(Self {
             shortfall: Shortfall::fitted(model, &default_policy),
+            certificate: CoarseBound::new(model).map(Arc::new),
             model: Arc::new(model.clone()),
             default_policy,
             depth,

@@ -72,7 +72,7 @@ impl Search<'_> {
             } else {
                 bounds.lower
             }),
-            certified_upper: bounds::upper(&self.despot.model, &self.space.root.0, root.viewpoint),
+            certified_upper: self.certified_upper(),
             trials: self.trials,
             elapsed: self.start.elapsed(),
             scenario_steps: self.scenario_steps,
@@ -81,6 +81,13 @@ impl Search<'_> {
             model: Arc::clone(&self.despot.model),
             space: self.space,
         }
+    }
+
+    fn certified_upper(&self) -> f64 {
+        let Despot { model, certificate, .. } = self.despot;
+        let (belief, viewpoint) = (&self.space.root.0, self.space.tree.nodes[0].viewpoint);
+        let closed = bounds::upper(model, belief, viewpoint);
+        certificate.as_ref().map_or(closed, |grid| grid.at(model, belief, viewpoint).min(closed))
     }
 
     /// Whether the bounds are lowered by a price per policy node; the default policy's value never is.
