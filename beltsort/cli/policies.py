@@ -2,12 +2,21 @@
 
 from collections.abc import Callable
 
-from beltsort import ArgumentError, Despot, InformationGain, Policy, SortingModel, Threshold, solve
+from beltsort import (
+    ArgumentError,
+    Despot,
+    InformationGain,
+    OneObject,
+    Policy,
+    SortingModel,
+    Threshold,
+    solve,
+)
 from beltsort.cli.arguments import DEFAULT_TRIALS
 
 HELP = (
     f"despot[:TRIALS] ({DEFAULT_TRIALS} if missing), despot:SECONDSs (despot:0.01s), threshold:T, "
-    "information-gain:T[:POSITIONS], solution[:SECONDSs] (solves first; 60s if missing)"
+    "information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (solves first; 60s if missing)"
 )
 
 
@@ -63,5 +72,6 @@ KINDS: dict[str, Callable[..., Policy]] = {
     "despot": _despot,
     "threshold": _threshold,
     "information-gain": _information_gain,
+    "one-object": OneObject,
     "solution": _solution,
 }

@@ -47,6 +47,7 @@ def test_there_are_examples() -> None:
         "Despot",
         "Threshold",
         "InformationGain",
+        "OneObject",
         "evaluate",
         "Policy",
     } <= documented

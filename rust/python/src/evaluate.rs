@@ -14,7 +14,7 @@ use crate::errors::{ArgumentError, to_python};
 use crate::evaluation::PyEvaluation;
 use crate::interrupt::{Stoppable, interruptible};
 use crate::model::PySortingModel;
-use crate::policies::{PyInformationGain, PyThreshold};
+use crate::policies::{PyInformationGain, PyOneObject, PyThreshold};
 use crate::solution::PySolution;
 use crate::user_policy::UserPolicy;
 
@@ -30,7 +30,7 @@ use crate::user_policy::UserPolicy;
 ///     Updates the belief, gives the rewards, and says whether a scan follows each decision. Such a scan counts
 ///     for `max_looks`, but is no step.
 /// policy : Policy
-///     `Despot`, `Threshold`, `InformationGain`, or any object with a method ``act(belief, viewpoint)`` that
+///     `Despot`, `Threshold`, `InformationGain`, `OneObject`, or any object with a method ``act(belief, viewpoint)`` that
 ///     returns a `Move` or a `Decide`. Such an object is asked from one thread, and its exceptions pass
 ///     through unchanged.
 /// batches : int
@@ -119,6 +119,8 @@ pub fn evaluate(
         run(&threshold.get().policy, pool)?.map_err(to_python)
     } else if let Ok(gain) = policy.cast::<PyInformationGain>() {
         run(&gain.get().policy, pool)?.map_err(to_python)
+    } else if let Ok(one) = policy.cast::<PyOneObject>() {
+        run(&one.get().policy, pool)?.map_err(to_python)
     } else {
         let user = UserPolicy::new(policy, model)?;
         // A user's policy may keep state: its batches run one after the other.

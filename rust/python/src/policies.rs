@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use beltsort_core::{InformationGain, Policy, SortingModel, Threshold};
+use beltsort_core::{InformationGain, OneObject, Policy, SortingModel, Threshold};
 use pyo3::prelude::*;
 
 use crate::actions;
@@ -134,6 +134,69 @@ impl PyInformationGain {
     /// -------
     /// Move or Decide
     ///     The action; a decision too where no move is legal.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a belief of another model or an unknown viewpoint.
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+        act(py, &self.policy, &self.model, &belief, viewpoint)
+    }
+
+    /// The model that the policy was made for.
+    #[getter]
+    fn model(&self) -> PySortingModel {
+        PySortingModel(Arc::clone(&self.model))
+    }
+}
+
+/// Follow the best conditional plan for the object at the belt end, chosen anew at each step.
+///
+/// The default policy of `Despot`. Each plan looks at one object until it pays to decide; what its looks tell
+/// about the objects behind is used once their turn comes. Labels are taken as independent, and a bonus for
+/// information is left aside.
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     The problem; its one-object plans are found here, which takes a moment.
+///
+/// References
+/// ----------
+/// Point-based value iteration: Pineau, Gordon & Thrun, IJCAI 2003.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+/// >>> beltsort.OneObject(model).act(beltsort.Belief(model), 0)
+/// Move(viewpoint=0)
+#[pyclass(frozen, name = "OneObject", module = "beltsort")]
+pub struct PyOneObject {
+    pub policy: OneObject,
+    pub model: Arc<SortingModel>,
+}
+
+#[pymethods]
+impl PyOneObject {
+    #[new]
+    fn new(py: Python<'_>, model: &PySortingModel) -> Self {
+        Self { policy: py.detach(|| OneObject::new(&model.0)), model: Arc::clone(&model.0) }
+    }
+
+    /// The first action of the best plan.
+    ///
+    /// Parameters
+    /// ----------
+    /// belief : Belief
+    ///     What is known of the objects; made for the policy's model, or an equal one.
+    /// viewpoint : int
+    ///     Where the camera stands.
+    ///
+    /// Returns
+    /// -------
+    /// Move or Decide
+    ///     The action.
     ///
     /// Raises
     /// ------

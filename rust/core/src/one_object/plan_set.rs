@@ -82,17 +82,15 @@ impl PlanSet {
                 found[lane] = if better { index } else { found[lane] };
             }
         }
-        let mut winner = (0, f64::NEG_INFINITY);
+        let top = best.iter().fold(f64::NEG_INFINITY, |top, value| if *value > top { *value } else { top });
+        let mut winner = u64::MAX;
         for (lane, (value, block)) in (0_u64..).zip(best.into_iter().zip(found)) {
             let index = block * LANES as u64 + lane;
-            let order = value.total_cmp(&winner.1).then(winner.0.cmp(&index));
-            if order.is_gt() {
-                winner = (index, value);
-            }
+            winner = if value >= top { winner.min(index) } else { winner };
         }
         // Padding repeats a block's first plan, which has the smaller index and wins the tie.
         #[allow(clippy::cast_possible_truncation)] // an index into `plans`
-        (winner.0 as usize, winner.1)
+        (winner as usize, top)
     }
 }
 
