@@ -5,6 +5,7 @@ from typing import Final, Literal, TypeAlias, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from beltsort.plan_tree import TreeNode
 from beltsort.policy import Policy
 
 __all__ = [
@@ -171,6 +172,7 @@ class Plan:
     def expansions(self) -> int: ...
     @property
     def nodes(self) -> int: ...
+    def tree(self, depth: int = 2) -> TreeNode: ...
 
 @final
 class Despot:

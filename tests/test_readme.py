@@ -4,6 +4,7 @@ import doctest
 import re
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,17 @@ def alike(shown: str, printed: str) -> bool:
 
     numbers = zip(NUMBER.findall(shown), NUMBER.findall(printed), strict=False)
     return form(shown) == form(printed) and all(near(a, b) for a, b in numbers)
+
+
+def test_explanation() -> None:
+    before, shown = next(
+        pair for pair in pairwise(README.read_text().split("```")) if pair[1].startswith("\nDeciding")
+    )
+    arguments = re.findall(r"`beltsort (plan .*)`", before)[-1].split()
+    done = subprocess.run(
+        [sys.executable, "-m", "beltsort", *arguments], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.endswith(f"\n{shown}")
 
 
 def test_demo_output(tmp_path: Path) -> None:

@@ -92,6 +92,27 @@ def test_independent_looks_need_no_repeat_and_identical_ones_are_all_repeat() ->
     np.testing.assert_allclose(replace(counts, agree=counts.pairs).repeat(), 1.0)
 
 
+def test_a_model_with_the_repeats_that_were_counted() -> None:
+    counts = independent(50, 0.7)
+    assert counts.model(CLASSES, VIEWPOINTS).repeat.max() == 0.0
+    agree, pairs = counts.agree.copy(), counts.pairs.copy()
+    agree[0, 0] = pairs[0, 0]  # all repeat: exactly 1, which no model takes
+    agree[0, 1] = 95
+    agree[1, 0] = pairs[1, 0] = 0  # unknown
+    uneven = replace(counts, agree=agree, pairs=pairs)
+    assert uneven.repeat()[0, 0] == 1.0
+    assert np.isnan(uneven.repeat()[1, 0])
+    repeat = uneven.model(CLASSES, VIEWPOINTS, repeats=True).repeat
+    assert repeat[0, 0] == 1 - 1 / 102
+    assert repeat[0, 1] == uneven.repeat()[0, 1] > 0.5
+    assert repeat[1, 0] == 0.0
+
+
+def test_labels_that_never_vary_tell_nothing_of_repeats() -> None:
+    counts = independent(50, 1.0)
+    assert counts.model(CLASSES, VIEWPOINTS, repeats=True).repeat.tolist() == [[0.0, 0.0], [0.0, 0.0]]
+
+
 def test_chance_agreement_is_unbiased_with_few_objects() -> None:
     means = [independent(3, 0.7, seed).chance_agreement().mean() for seed in range(400)]
     assert np.mean(means) == pytest.approx(0.58, abs=0.02)

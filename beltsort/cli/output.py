@@ -24,15 +24,6 @@ def print_table(rows: Sequence[Sequence[str]]) -> None:
     print(text_table(rows))
 
 
-def action_in_words(model: SortingModel, action: Move | Decide) -> str:
-    """Say what an action does."""
-    match action:
-        case Move(viewpoint):
-            return f"move to {model.viewpoints[viewpoint]} and scan"
-        case Decide(label):
-            return f"sort as {model.classes[label]}"
-
-
 def action_as_json(model: SortingModel, action: Move | Decide) -> dict[str, str]:
     """Name an action and its object."""
     match action:

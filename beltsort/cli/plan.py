@@ -1,10 +1,12 @@
 """`beltsort plan`: the next action, and why."""
 
 from argparse import Namespace
+from typing import Any
 
 from beltsort import ArgumentError, Belief, Despot, Plan, SortingModel
 from beltsort.cli.arguments import Subparsers, add_budget, add_json, add_model, budget_of, index_of
-from beltsort.cli.output import action_as_json, action_in_words, print_json, print_table
+from beltsort.cli.output import action_as_json, print_json, print_table
+from beltsort.explanation import action_in_words, explain, tree_in_names
 
 NOTHING_SEEN = "-"
 
@@ -27,6 +29,10 @@ def add_parser(subparsers: Subparsers) -> None:
     add_budget(parser)
     parser.add_argument("--scenarios", type=int, default=500, metavar="N", help="default: 500")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the scenarios (default: 0)")
+    parser.add_argument("--explain", action="store_true", help="say why, and what is likely to follow")
+    parser.add_argument(
+        "--depth", type=int, default=2, metavar="D", help="planner steps that --explain tells of (default: 2)"
+    )
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -46,8 +52,14 @@ def run(arguments: Namespace) -> int:
         seed=arguments.seed,
         **budget_of(arguments),
     )
-    show = show_json if arguments.json else show_text
-    show(model, belief, viewpoint, planner.plan(belief, viewpoint))
+    plan = planner.plan(belief, viewpoint)
+    if arguments.json:
+        tree = {"tree": tree_in_names(model, plan.tree(arguments.depth))} if arguments.explain else {}
+        print_json(as_json(model, belief, viewpoint, plan) | tree)
+        return 0
+    show(model, belief, viewpoint, plan)
+    if arguments.explain:
+        print(f"\n{explain(model, plan, arguments.depth)}")
     return 0
 
 
@@ -65,37 +77,43 @@ def parse_scan(text: str, model: SortingModel) -> tuple[int, list[int | None]]:
     )
 
 
-def show_json(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> None:
-    """Print the plan as one JSON object."""
-    print_json(
-        {
-            "viewpoint": model.viewpoints[viewpoint],
-            "belief": [dict(zip(model.classes, row, strict=True)) for row in belief.probabilities.tolist()],
-            "action": action_as_json(model, plan.action),
-            "values": [
-                {"action": action_as_json(model, action), "value": value}
-                for action, value in plan.values.items()
-            ],
-            "lower": plan.lower,
-            "upper": plan.upper,
-            "certified_lower": plan.certified_lower,
-            "certified_upper": plan.certified_upper,
-            "trials": plan.trials,
-            "seconds": plan.seconds,
-        }
-    )
+def as_json(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> dict[str, Any]:
+    """Return the plan as plain data."""
+    return {
+        "viewpoint": model.viewpoints[viewpoint],
+        "belief": [dict(zip(model.classes, row, strict=True)) for row in belief.probabilities.tolist()],
+        "action": action_as_json(model, plan.action),
+        "values": [
+            {"action": action_as_json(model, action), "value": value} for action, value in plan.values.items()
+        ],
+        "lower": plan.lower,
+        "upper": plan.upper,
+        "certified_lower": plan.certified_lower,
+        "certified_upper": plan.certified_upper,
+        "trials": plan.trials,
+        "seconds": plan.seconds,
+    }
 
 
-def show_text(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> None:
+def show(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> None:
     """Print the plan in words."""
     print("Belief, position 0 at the belt end:")
     rows = enumerate(belief.probabilities.tolist())
     print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
     print(f"\nThe camera stands at {model.viewpoints[viewpoint]}.")
     print(f"Next: {action_in_words(model, plan.action)}.")
-    print("\nExpected discounted reward of each action, at least:")
+    print("\nEstimated value of each action (expected discounted reward), and what it lacks of the best:")
     best_first = sorted(plan.values.items(), key=lambda entry: -entry[1])
-    print_table([(action_in_words(model, action), f"{value:.3f}") for action, value in best_first])
+    best = best_first[0][1]
+    print_table(
+        [
+            (action_in_words(model, action), f"{value:.3f}", f"{best - value:.3f}")
+            for action, value in best_first
+        ]
+    )
     print(f"\nThe search's own problem is worth {plan.lower:.3f} to {plan.upper:.3f}", end="; ")
-    print(f"the best possible policy earns {plan.certified_lower:.3f} to {plan.certified_upper:.3f}.")
+    certified = f"at most {plan.certified_upper:.3f}"
+    if plan.certified_lower is not None:
+        certified = f"{plan.certified_lower:.3f} to {plan.certified_upper:.3f}"
+    print(f"the best possible policy earns {certified}.")
     print(f"{plan.trials} trials in {plan.seconds:.3f} s.")

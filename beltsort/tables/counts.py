@@ -112,14 +112,20 @@ class Counts:
     def repeat(self) -> Array:
         """Return the share of repeated looks that only return the earlier label, shape (H, K), in [0, 1].
 
-        It solves agreement = repeat + (1 - repeat) * chance agreement: the model's `repeat`.
+        It solves agreement = repeat + (1 - repeat) * chance agreement. NaN where too little was counted.
         """
         chance = self.chance_agreement()
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.clip((self.agreement()[0] - chance) / (1.0 - chance), 0.0, 1.0)
 
     def model(
-        self, classes: Sequence[str], viewpoints: Sequence[str], *, smoothing: float = 1.0, **settings: Any
+        self,
+        classes: Sequence[str],
+        viewpoints: Sequence[str],
+        *,
+        smoothing: float = 1.0,
+        repeats: bool = False,
+        **settings: Any,
     ) -> "beltsort.SortingModel":
         """Build a model from the smoothed table; it keeps the counts.
 
@@ -129,9 +135,16 @@ class Counts:
             Names.
         smoothing
             See `probabilities`.
+        repeats
+            Whether the model is to say how often a second look only repeats the first: by `repeat`, but 0
+            where that is unknown, and never so near to 1 that not one more pair could contradict it (by
+            Laplace's rule of succession: n agreeing pairs leave 1 / (n + 2) for the next one to differ).
         **settings
-            Further arguments of `beltsort.SortingModel`: rewards, discount, travel, repeat.
+            Further arguments of `beltsort.SortingModel`: rewards, discount, travel.
         """
+        if repeats:
+            most = 1.0 - 1.0 / (self.pairs + 2)
+            settings["repeat"] = np.nan_to_num(np.minimum(self.repeat(), most), nan=0.0)
         return beltsort.SortingModel(
             classes,
             viewpoints,

@@ -152,8 +152,15 @@ def test_version_and_help() -> None:
         assert re.search(rf"^ +{name} +\w", output("--help"), re.MULTILINE)
 
 
-def test_control_c() -> None:
-    arguments = ["evaluate", PAPER, "--policy", "despot", "--batches", "100000"]
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["evaluate", PAPER, "--policy", "despot", "--batches", "100000"],
+        ["plan", PAPER, "--seconds", "600"],
+        ["plan", PAPER, "--trials", "1000000000"],
+    ],
+)
+def test_control_c(arguments: list[str]) -> None:
     process = subprocess.Popen(
         [sys.executable, "-m", "beltsort", *arguments], stderr=subprocess.PIPE, text=True
     )

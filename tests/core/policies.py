@@ -29,12 +29,14 @@ class Always:
 
 
 class Recorded:
-    """Does what another policy does, and notes what it was asked."""
+    """Does what another policy does, and notes what it was asked and what it said."""
 
     def __init__(self, policy: Policy) -> None:
         self.policy = policy
         self.asked: list[tuple[Belief, int]] = []
+        self.answered: list[Move | Decide] = []
 
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide:
         self.asked.append((belief.copy(), viewpoint))
-        return self.policy.act(belief, viewpoint)
+        self.answered.append(self.policy.act(belief, viewpoint))
+        return self.answered[-1]

@@ -32,6 +32,7 @@ MODEL = random_model(0)
 OTHER = random_model(1)
 REPEATING = random_model(0, repeat=0.5)
 THRESHOLD = Threshold(MODEL, 0.9)
+PLAN = Despot(MODEL, trials=1).plan(Belief(MODEL))
 
 
 def model(p_obs: ArrayLike = TABLES, **settings: Any) -> Callable[[], object]:
@@ -182,6 +183,8 @@ CASES: dict[str, tuple[Callable[[], object], type[BeltsortError], list[str]]] = 
     "regularization": (despot(regularization=-0.1), ArgumentError, ["-0.1", "not negative"]),
     "threads 0": (despot(threads=0), ArgumentError, ["threads = 0", "at least 1"]),
     "seed": (despot(seed=-1), ArgumentError, ["seed = -1", "from 0"]),
+    "tree of no depth": (lambda: PLAN.tree(-1), ArgumentError, ["depth = -1", "0 to 1000"]),
+    "tree too deep": (lambda: PLAN.tree(1001), ArgumentError, ["depth = 1001", "0 to 1000"]),
     "threshold 0": (lambda: Threshold(MODEL, 0.0), ArgumentError, ["threshold = 0", "above 0", "0.94"]),
     "threshold 2": (lambda: InformationGain(MODEL, 2.0), ArgumentError, ["threshold = 2", "at most 1"]),
     "threshold viewpoint": (lambda: Threshold(MODEL, 0.9, 5), ArgumentError, ["viewpoint 5", "0 to 1"]),

@@ -1,9 +1,11 @@
 """Despot: reproducible, bounded, legal, and explained."""
 
+import signal
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -12,19 +14,21 @@ from hypothesis import strategies as st
 from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel
 
 from .models import random_belief, random_model
+from .trees import nodes
 
 SEEDS = st.integers(0, 10_000)
 
 
 def facts(plan: Plan) -> tuple[object, ...]:
     counters = (plan.trials, plan.nodes, plan.expansions, plan.scenario_steps)
-    return plan.action, plan.values, plan.lower, plan.upper, *counters
+    certified = (plan.certified_lower, plan.certified_upper)
+    return plan.action, plan.values, plan.lower, plan.upper, certified, *counters, plan.tree(3)
 
 
 def test_trials_are_reproducible_for_any_number_of_threads(paper: SortingModel) -> None:
     belief = random_belief(paper, 1)
     plans = []
-    for threads in (1, 2, 8):
+    for threads in (1, 2, 4, 8):
         planner = Despot(paper, scenarios=2000, seed=3, trials=40, threads=threads)
         plans += [planner.plan(belief, 1), planner.plan(belief, 1)]
     assert all(facts(plan) == facts(plans[0]) for plan in plans)
@@ -47,17 +51,23 @@ def test_bounds_tighten_with_trials(seed: int, regularization: float) -> None:
         assert plan.certified_lower <= plan.certified_upper
 
 
-@pytest.mark.parametrize("travel", [[[1, 2], [0], [2, 0]], [[], [1, 2], [0, 1, 2]]])
-@pytest.mark.parametrize("seed", range(2))
-def test_only_legal_actions(travel: list[list[int]], seed: int) -> None:
-    model = random_model(seed, h=1, k=3, travel=travel)
-    planner = Despot(model, scenarios=50, trials=10)
+TRAVEL = st.lists(st.sets(st.integers(0, 2)).map(sorted), min_size=3, max_size=3)
+
+
+@settings(deadline=None, max_examples=25, derandomize=True)
+@given(travel=TRAVEL, seed=SEEDS, h=st.integers(1, 2))
+def test_only_legal_actions(travel: list[list[int]], seed: int, h: int) -> None:
+    model = random_model(seed, h=h, k=3, travel=travel, r_min=10)
+    planner = Despot(model, scenarios=50, trials=40)
     for viewpoint in range(3):
         plan = planner.plan(random_belief(model, seed), viewpoint)
         decisions = {Decide(label) for label in range(3)}
         assert set(plan.values) == decisions | {Move(to) for to in travel[viewpoint]}
         assert plan.action in plan.values
         assert plan.values[plan.action] == pytest.approx(max(plan.values.values()), abs=1e-9)
+        for node in nodes(plan.tree(4)):
+            moves = [action["action"]["move"] for action in node["actions"] if "move" in action["action"]]
+            assert moves == (travel[node["viewpoint"]] if node["actions"] else [])
 
 
 def test_nowhere_to_go() -> None:
@@ -109,10 +119,26 @@ def test_planning_releases_the_gil(paper: SortingModel) -> None:
     assert turns > 5
 
 
-def test_plans_from_two_threads(paper: SortingModel) -> None:
-    planner = Despot(paper, trials=30)
-    beliefs = [random_belief(paper, seed) for seed in range(8)]
-    alone = [facts(planner.plan(belief)) for belief in beliefs]
-    with ThreadPoolExecutor(2) as pool:
+def test_plans_from_many_threads_at_once(paper: SortingModel) -> None:
+    planner = Despot(paper, trials=100)
+    beliefs = [random_belief(paper, seed % 8) for seed in range(32)]
+    alone = [facts(planner.plan(belief)) for belief in beliefs[:8]]
+    with ThreadPoolExecutor(4) as pool:
         together = [facts(plan) for plan in pool.map(planner.plan, beliefs)]
-    assert together == alone
+    assert together == alone * 4
+
+
+@pytest.mark.parametrize("budget", [{"seconds": 60.0}, {"trials": 10**9}])
+@pytest.mark.parametrize("threads", [1, 4])
+def test_control_c_ends_a_plan_and_nothing_else(
+    paper: SortingModel, budget: dict[str, Any], threads: int
+) -> None:
+    planner = Despot(paper, trials=1500, threads=threads)
+    before = facts(planner.plan(Belief(paper)))
+    timer = threading.Timer(0.2, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    start = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        planner.plan(Belief(paper), **budget)
+    assert time.perf_counter() - start < 10
+    assert facts(planner.plan(Belief(paper))) == before

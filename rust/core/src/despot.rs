@@ -28,6 +28,7 @@ mod shortfall;
 mod workspace;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -54,6 +55,8 @@ const TARGET_GAP: f64 = 0.95;
 const SOLVED: f64 = 1e-10;
 /// Leaves chosen before any of them is expanded: work for the threads, and a little less well informed each.
 const BATCH: usize = 32;
+/// A search that nobody stops.
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// The planner: a model, its default policy and the settings of the search. A clone shares memory, not plans.
 #[derive(Debug, Clone)]
@@ -113,7 +116,7 @@ impl Despot {
     /// # Errors
     /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model, or the budget is zero.
     pub fn plan(&self, belief: &Belief, viewpoint: usize, budget: Budget) -> Result<Plan> {
-        self.search(belief, viewpoint, budget, false)
+        self.plan_until(belief, viewpoint, budget, false, &NEVER)
     }
 
     /// Plan the next action with all threads of the current rayon pool: the same plan, sooner.
@@ -121,10 +124,21 @@ impl Despot {
     /// # Errors
     /// As [`Despot::plan`].
     pub fn plan_in_parallel(&self, belief: &Belief, viewpoint: usize, budget: Budget) -> Result<Plan> {
-        self.search(belief, viewpoint, budget, true)
+        self.plan_until(belief, viewpoint, budget, true, &NEVER)
     }
 
-    fn search(&self, belief: &Belief, viewpoint: usize, budget: Budget, parallel: bool) -> Result<Plan> {
+    /// Plan until the budget is spent or `stop` is set: what was found up to then.
+    ///
+    /// # Errors
+    /// As [`Despot::plan`].
+    pub fn plan_until(
+        &self,
+        belief: &Belief,
+        viewpoint: usize,
+        budget: Budget,
+        parallel: bool,
+        stop: &AtomicBool,
+    ) -> Result<Plan> {
         let start = Instant::now();
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
@@ -133,6 +147,7 @@ impl Despot {
             despot: self,
             space: self.pool.lease(),
             budget,
+            stop,
             parallel,
             start,
             trials: 0,
@@ -183,6 +198,7 @@ struct Search<'a> {
     despot: &'a Despot,
     space: Lease,
     budget: Budget,
+    stop: &'a AtomicBool,
     parallel: bool,
     start: Instant,
     trials: u64,
@@ -218,14 +234,15 @@ impl Search<'_> {
     }
 
     fn out_of_time(&self) -> bool {
-        matches!(self.budget, Budget::Time(time) if self.start.elapsed() >= time)
+        self.stop.load(Ordering::Relaxed)
+            || matches!(self.budget, Budget::Time(time) if self.start.elapsed() >= time)
     }
 
     /// Trials that the budget still allows for, at most a batch.
     fn allowed(&self) -> usize {
         match self.budget {
+            _ if self.out_of_time() => 0,
             Budget::Trials(trials) => usize::try_from(trials - self.trials).unwrap_or(BATCH).min(BATCH),
-            Budget::Time(_) if self.out_of_time() => 0,
             Budget::Time(_) => BATCH,
         }
     }
@@ -233,14 +250,15 @@ impl Search<'_> {
     /// Choose the leaves of the next trials; until they are expanded each counts as settled, so that the others
     /// lie elsewhere.
     fn choose_leaves(&mut self) -> usize {
-        for index in 0..self.allowed() {
+        let allowed = self.allowed();
+        for index in 0..allowed {
             if self.space.tree.values[0].gap() <= 0.0 {
                 return index;
             }
             let leaf = self.explore();
             self.space.choose(index, leaf);
         }
-        self.allowed()
+        allowed
     }
 
     /// One trial: follow the most promising action and the most uncertain label down to a leaf.

@@ -14,6 +14,10 @@ use crate::errors::ArgumentError;
 /// The budget of a planner that was given none.
 pub const DEFAULT: Budget = Budget::Time(Duration::from_millis(10));
 
+/// Plans up to here end before anyone could wish to interrupt them.
+const SHORT: Duration = Duration::from_millis(100);
+const FEW_TRIALS: u64 = 1000;
+
 /// More threads than any machine has use for.
 const MOST_THREADS: usize = 1024;
 
@@ -29,6 +33,14 @@ pub fn budget(seconds: Option<f64>, trials: Option<Whole>) -> PyResult<Option<Bu
         (Some(_), Some(_)) => Err(ArgumentError::new_err(
             "both seconds and trials are given; give one: seconds for an anytime plan, trials for a reproducible one",
         )),
+    }
+}
+
+/// Whether Ctrl-C should end a plan: that takes a thread of its own, which costs short plans more than it saves.
+pub fn is_long(budget: Budget) -> bool {
+    match budget {
+        Budget::Time(time) => time > SHORT,
+        Budget::Trials(trials) => trials > FEW_TRIALS,
     }
 }
 

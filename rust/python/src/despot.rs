@@ -1,6 +1,7 @@
 //! `Despot`.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use beltsort_core::{Belief, Budget, BudgetedDespot, Despot, DespotConfig, Plan, SortingModel};
 use pyo3::prelude::*;
@@ -11,6 +12,7 @@ use crate::belief::PyBelief;
 use crate::budget::{self, budget, outside_pools, thread_pool};
 use crate::convert::{self, Whole, count, index};
 use crate::errors::to_python;
+use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
 use crate::plan::PyPlan;
 
@@ -21,8 +23,12 @@ use crate::plan::PyPlan;
 /// of the other labels follows the default policy, the best conditional plan for one object after the other.
 /// Solving for those plans is what makes the constructor take a moment.
 ///
-/// With a budget of trials a plan is a pure function of model, belief, viewpoint, seed and settings: it
-/// depends on neither `threads` nor earlier plans. With a budget of time it depends on the machine too.
+/// A trial expands one leaf of the tree. Leaves are chosen in batches of 32, one after the other, and those of
+/// a batch are expanded at the same time by all threads. So with a budget of trials a plan is a pure function
+/// of model, belief, viewpoint, seed and settings, bit by bit the same for any number of `threads`; with a
+/// budget of time it depends on the machine too.
+///
+/// Repeated labels, scans after decisions and a bonus for information are planned for where the model has them.
 ///
 /// Parameters
 /// ----------
@@ -34,9 +40,10 @@ use crate::plan::PyPlan;
 /// seed : int
 ///     Seed of the scenarios.
 /// threads : int, optional
-///     Threads that share the work of a plan; all cores if missing. More than that gain nothing.
+///     Threads that share the work of a plan: the leaves of a batch, which are 32. All cores if missing; more
+///     than there are cores gain nothing.
 /// seconds : float, optional
-///     Wall-clock budget of a plan in seconds, 0.01 if neither budget is given. Ctrl-C waits for its end.
+///     Wall-clock budget of a plan in seconds, 0.01 if neither budget is given.
 /// trials : int, optional
 ///     Budget of a plan in trials, in place of `seconds`. Memory grows with it.
 /// regularization : float, optional
@@ -73,16 +80,21 @@ pub struct PyDespot {
 impl PyDespot {
     /// Plan with the GIL released, in this planner's own threads if it was given a number of them.
     fn search(&self, py: Python<'_>, belief: &Belief, viewpoint: usize, budget: Budget) -> PyResult<Plan> {
-        let despot = &self.planner.despot;
-        let plan = || match rayon::current_num_threads() {
-            1 => despot.plan(belief, viewpoint, budget),
-            _ => despot.plan_in_parallel(belief, viewpoint, budget),
+        let (despot, stop) = (&self.planner.despot, AtomicBool::new(false));
+        let plan = || {
+            let parallel = rayon::current_num_threads() > 1;
+            despot.plan_until(belief, viewpoint, budget, parallel, &stop)
         };
         let plan_in_pool = || match &self.pool {
             Some(pool) => pool.install(plan),
             None => rayon::scope(|_| plan()),
         };
-        py.detach(|| outside_pools(plan_in_pool)).map_err(to_python)
+        let plan = if budget::is_long(budget) {
+            interruptible(py, &stop, plan_in_pool)?
+        } else {
+            py.detach(|| outside_pools(plan_in_pool))
+        };
+        plan.map_err(to_python)
     }
 }
 

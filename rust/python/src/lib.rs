@@ -14,6 +14,7 @@ mod evaluation;
 mod interrupt;
 mod model;
 mod plan;
+mod plan_tree;
 mod policies;
 mod solution;
 mod user_policy;

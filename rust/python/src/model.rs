@@ -11,65 +11,7 @@ use pyo3::prelude::*;
 use crate::convert::{self, Whole, count, read_only, scalar_or_matrix, tables};
 use crate::errors::to_python;
 
-/// The sorting POMDP: sets, observation tables, rewards and travel. It does not change once made.
-///
-/// L classes, K viewpoints, and H belt positions that one scan sees at once, position 0 at the belt end. The
-/// parameters are the keys of a model file.
-///
-/// Parameters
-/// ----------
-/// classes : sequence of str, length L
-///     Names `c_1..c_L`, at least two, unique.
-/// viewpoints : sequence of str, length K
-///     Names `p_1..p_K`, unique.
-/// p_obs : array_like, shape (H, K, L, L)
-///     `o^j(z | p', c)` as ``p_obs[j, viewpoint, true, observed]``. Rows may miss 1 by 1e-6: they are kept as
-///     given and normalised in the arithmetic. A 0 makes a belief irrevocable.
-/// r_max : float
-///     Reward of a right decision.
-/// r_min : float
-///     Penalty of a wrong decision, above 0. Too large, and looking for ever is optimal.
-/// motion_cost : float or array_like, shape (K, K)
-///     Cost of a move, or ``motion_cost[start, end]``; 1 if missing. Too large, and deciding unseen is
-///     optimal.
-/// discount : float
-///     `gamma`, per planner step, strictly between 0 and 1. Nearer to 1 means searching deeper for the same
-///     error.
-/// arrival : sequence of float, length L
-///     Prior of the class of an arriving object; uniform if missing.
-/// travel : sequence of sequence of int, length K
-///     ``travel[k]`` lists the viewpoints that one move from k reaches, k itself included if it may scan
-///     again from there; all if missing. An empty list leaves only decisions.
-/// observe_after_decision : bool
-///     Whether a scan of all positions, from where the camera stands, follows each decision within the same
-///     step; in the paper nothing is observed then.
-/// repeat : float or array_like, shape (H, K)
-///     Probability, at least 0 and below 1, that a second look from the same viewpoint at the same object in
-///     the same position only repeats the last label: ``P(z' | z, v, c) = repeat [z' = z] + (1 - repeat)
-///     p_obs[j, v, c, z']``. 0 if missing: labels are independent given the class. Too small, and repeated
-///     looks make the belief overconfident.
-/// information_gain : float
-///     `alpha`, reward per nat of entropy that a scan is expected to take from the belief, summed over the
-///     positions. 0 for the paper's rewards. Too large, and looking on is worth more than deciding.
-/// empty : str, optional
-///     The one of `classes` that stands for an empty cup: deciding it passes over the place.
-/// counts : array_like of int, shape (H, K, L, L)
-///     The label counts behind `p_obs`, for the record.
-/// smoothing : float
-///     The pseudo-count that was added to each entry of `counts`, for the record.
-/// note : str
-///     Free text.
-///
-/// Raises
-/// ------
-/// ModelError
-///     Naming the first value that does not fit, what was expected, and the remedy.
-///
-/// References
-/// ----------
-/// Mezei, Tamás & Buşoniu, "Sorting objects from a conveyor belt using active perception with a POMDP model",
-/// ECC 2019, eq. 1-6.
-///
+#[doc = include_str!("model.txt")]
 /// Examples
 /// --------
 /// >>> import beltsort

@@ -5,8 +5,24 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::actions;
+use crate::convert::Whole;
+use crate::plan_tree;
 
 /// What a search found. Values are expected discounted rewards, in the unit of `r_max` and `r_min`.
+///
+/// `values` are estimates: the search's lower bound, plus what the default policy is expected to fall short of
+/// the best one by wherever the search has not looked. The action is chosen by them. `lower` and `upper` bound
+/// the search's own problem, `certified_lower` and `certified_upper` the optimal value of the model itself.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+/// >>> plan = beltsort.Despot(model, trials=10).plan(beltsort.Belief(model))
+/// >>> plan.lower < plan.values[plan.action] < plan.upper
+/// True
+/// >>> [action["action"] for action in plan.tree(depth=1)["actions"]]
+/// [{'decide': 0}, {'move': 0}]
 #[pyclass(frozen, name = "Plan", module = "beltsort")]
 pub struct PyPlan(pub Plan);
 
@@ -81,6 +97,34 @@ impl PyPlan {
     #[getter]
     fn nodes(&self) -> u64 {
         self.0.nodes
+    }
+
+    /// The searched tree as plain data, ready for JSON: why the action was chosen.
+    ///
+    /// Parameters
+    /// ----------
+    /// depth : int
+    ///     Planner steps below the root, 0 to 1000. With K moves and H positions, every step multiplies the
+    ///     tree by up to K L^H.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     A belief of the tree: `viewpoint`; `belief`, H lists of L probabilities; `value`, `lower` and
+    ///     `upper` as seen from there; `scenarios` that come there, None where the search has not been; and
+    ///     `actions`, a list that is empty where the search has not been and at the last step asked for. Each
+    ///     is a dict of `action` (``{"move": viewpoint}`` or ``{"decide": label}``; of all decisions the best
+    ///     one stands for all), `value`, `lower`, `upper` and `branches`, the likeliest first. Each of these is
+    ///     a dict of `probability`, `labels` (one per position, or None without a scan) and `node`, the belief
+    ///     after it; labels that no scenario gives are missing.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a depth below 0 or above 1000.
+    #[pyo3(signature = (depth=2))]
+    fn tree<'py>(&self, py: Python<'py>, depth: Whole) -> PyResult<Bound<'py, PyDict>> {
+        plan_tree::to_python(py, &self.0.tree(plan_tree::depth(depth)?))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -1,0 +1,141 @@
+"""Why a plan says what it says: the searched tree in words."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from beltsort import Decide, Move, Plan, SortingModel
+from beltsort.plan_tree import NamedAction, TreeAction, TreeBranch, TreeNode
+
+OUTCOMES = 4  # of an action that are told one by one
+NEGLIGIBLE = 0.005  # probability that is not worth a line
+
+
+def explain(model: SortingModel, plan: Plan, depth: int = 2) -> str:
+    """Say why the plan's action is the best one, and what is likely to follow it.
+
+    Parameters
+    ----------
+    model
+        The model planned for.
+    plan
+        What its planner said.
+    depth
+        Planner steps to tell of: 1 for what the action may show, 2 for what would be done then, and so on.
+
+    Returns
+    -------
+    str
+        Several lines. Probabilities and beliefs are exact under the model; values are estimates.
+
+    Raises
+    ------
+    ArgumentError
+        For a depth below 0 or above 1000.
+
+    Examples
+    --------
+    >>> import beltsort
+    >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+    >>> plan = beltsort.Despot(model, trials=100).plan(beltsort.Belief(model, [[0.3, 0.7]]))
+    >>> print(explain(model, plan))
+    Deciding bolt now would be right with 70 % and worth 7.1; one more look, from front, is worth 16.2.
+    After 'move to front and scan', most likely:
+      if it says bolt (62 %): 90 % bolt, then move to front and scan
+      if it says nut (38 %): 63 % nut, then move to front and scan
+    """
+    tree = plan.tree(depth)
+    lines = [reason(model, plan, tree["belief"][0])]
+    for action in tree["actions"]:
+        if _action(action["action"]) == plan.action:
+            lines.append(f"After '{action_in_words(model, plan.action)}', most likely:")
+            lines += _outcomes(model, action, depth)
+    return "\n".join(lines)
+
+
+def reason(model: SortingModel, plan: Plan, belief: Sequence[float]) -> str:
+    """Return one sentence that holds deciding now against one more look; `belief` is that of the belt end."""
+    values = plan.values
+    decision = max((action for action in values if isinstance(action, Decide)), key=values.__getitem__)
+    looks = [action for action in values if isinstance(action, Move)]
+    right = _percent(belief[decision.label])
+    name = model.classes[decision.label]
+    if not looks:
+        return f"No move is allowed from here; deciding {name} is right with {right}."
+    look = max(looks, key=values.__getitem__)
+    from_where, decided = model.viewpoints[look.viewpoint], plan.action == decision
+    deciding, looking = ("is", "would be") if decided else ("would be", "is")
+    return (
+        f"Deciding {name} now {deciding} right with {right} and worth {values[decision]:.1f}; "
+        f"one more look, from {from_where}, {looking} worth {values[look]:.1f}."
+    )
+
+
+def action_in_words(model: SortingModel, action: Move | Decide) -> str:
+    """Say what an action does."""
+    match action:
+        case Move(viewpoint):
+            return f"move to {model.viewpoints[viewpoint]} and scan"
+        case Decide(label):
+            return f"sort as {model.classes[label]}"
+
+
+def tree_in_names(model: SortingModel, tree: TreeNode) -> dict[str, Any]:
+    """Return the tree with classes and viewpoints by name, as the commands print them."""
+
+    def action_in_names(action: TreeAction) -> dict[str, Any]:
+        ((kind, index),) = action["action"].items()
+        name = (model.viewpoints if kind == "move" else model.classes)[index]
+        return {**action, "action": {kind: name}, "branches": [*map(branch_in_names, action["branches"])]}
+
+    def branch_in_names(branch: TreeBranch) -> dict[str, Any]:
+        return {**branch, "labels": _names(model, branch), "node": tree_in_names(model, branch["node"])}
+
+    return {
+        **tree,
+        "viewpoint": model.viewpoints[tree["viewpoint"]],
+        "belief": [dict(zip(model.classes, row, strict=True)) for row in tree["belief"]],
+        "actions": [*map(action_in_names, tree["actions"])],
+    }
+
+
+def _outcomes(model: SortingModel, action: TreeAction, depth: int, indent: str = "  ") -> Iterator[str]:
+    """Tell the likeliest outcomes of an action, and in `depth` - 1 further steps what would be done then."""
+    told = action["branches"][:OUTCOMES]
+    for branch in told:
+        node = branch["node"]
+        then = max(node["actions"], key=lambda action: action["value"], default=None)
+        yield f"{indent}{_outcome(model, branch)}{_then(model, then) if depth > 1 else ''}"
+        if then is not None and depth > 2:
+            yield from _outcomes(model, then, depth - 1, indent + "    ")
+    others = 1.0 - sum(branch["probability"] for branch in told)
+    if others > NEGLIGIBLE:
+        yield f"{indent}anything else ({_percent(others)})"
+
+
+def _outcome(model: SortingModel, branch: TreeBranch) -> str:
+    row = branch["node"]["belief"][0]
+    label = max(range(len(row)), key=row.__getitem__)
+    believed = f"{_percent(row[label])} {model.classes[label]}"
+    names = _names(model, branch)
+    if names is None:
+        return f"the next object is {believed}"
+    return f"if it says {', '.join(names)} ({_percent(branch['probability'])}): {believed}"
+
+
+def _then(model: SortingModel, then: TreeAction | None) -> str:
+    return (
+        ", not looked into" if then is None else f", then {action_in_words(model, _action(then['action']))}"
+    )
+
+
+def _names(model: SortingModel, branch: TreeBranch) -> list[str] | None:
+    labels = branch["labels"]
+    return None if labels is None else [model.classes[label] for label in labels]
+
+
+def _action(named: NamedAction) -> Move | Decide:
+    return Move(named["move"]) if "move" in named else Decide(named["decide"])
+
+
+def _percent(probability: float) -> str:
+    return f"{100 * probability:.0f} %"
