@@ -5,7 +5,7 @@ mod memory;
 
 use nalgebra::{DMatrix, DVectorView};
 
-pub(crate) use information::information;
+pub(crate) use information::{entropy, information};
 pub(crate) use memory::Memory;
 
 use crate::error::{Error, Result, argument_error};

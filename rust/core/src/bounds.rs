@@ -1,6 +1,6 @@
 //! Bounds of the value at an exact belief, and what a look is worth before its labels are told apart.
 
-use crate::belief::{Memory, most_likely};
+use crate::belief::{Memory, entropy, most_likely};
 use crate::model::SortingModel;
 use crate::one_object::{OneObjectPolicy, dot};
 
@@ -47,6 +47,8 @@ pub(crate) struct Look {
     probabilities: Vec<f64>,
     /// Entry `(j * L + z) * L + c`.
     posteriors: Vec<f64>,
+    /// What is left to learn after each label, where learning is rewarded; entry `j * L + z`, and 0 elsewhere.
+    entropies: Vec<f64>,
     /// Stage of position j after label z for an object whose turn starts in group g: `(j * L + z) * G + g`.
     gains: Vec<f64>,
     /// Its discount into group s: `((j * L + z) * G + g) * G + s`.
@@ -71,6 +73,7 @@ impl Look {
         (self.classes, self.groups, self.group) = (l, g, policy.group(viewpoint));
         self.probabilities.resize(h * l, 0.0);
         self.posteriors.resize(h * l * l, 0.0);
+        self.entropies.resize(h * l, 0.0);
         self.gains.resize(h * l * g, 0.0);
         self.discounts.resize(h * l * g * g, 0.0);
         self.expected.clear();
@@ -80,6 +83,9 @@ impl Look {
             let last = memory.last(model, j, viewpoint);
             for z in 0..l {
                 self.outcome(position, j * l + z, model.likelihoods(j, viewpoint, last, z));
+                if model.spec().information_gain > 0.0 {
+                    self.entropies[j * l + z] = entropy(self.posterior(j, z));
+                }
                 self.stages(policy, j, z);
             }
         }
@@ -126,6 +132,17 @@ impl Look {
     /// Expected value of following those plans, over all labels: a lower bound of the value after the scan.
     pub(crate) fn value(&self) -> f64 {
         self.expected[self.group]
+    }
+
+    /// What is left to learn about one position after its label, where learning is rewarded.
+    #[inline(always)]
+    pub(crate) fn entropy(&self, position: usize, label: usize) -> f64 {
+        self.entropies[position * self.classes + label]
+    }
+
+    /// The same expected over all labels of all positions.
+    pub(crate) fn expected_entropy(&self) -> f64 {
+        dot(&self.probabilities, &self.entropies)
     }
 
     /// `P(z | b, v)` of one position's label.

@@ -46,7 +46,7 @@ pub use config::{Budget, DespotConfig};
 use expand::Expansion;
 pub use explain::{TreeAction, TreeBranch, TreeNode};
 pub use plan::Plan;
-use shortfall::Shortfall;
+use shortfall::{Prospect, Shortfall};
 use workspace::{Lease, Pool};
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
@@ -165,7 +165,7 @@ impl Despot {
 
     /// A leaf, its values unscaled so far: the default policy's, or at best the upper bound after one policy node.
     #[inline(always)]
-    fn leaf(&self, mut node: Node, value: f64, upper: f64) -> (Node, Values) {
+    fn leaf(&self, mut node: Node, value: f64, entropy: f64, upper: f64) -> (Node, Values) {
         let scale = self.scale(&node);
         let default = scale * value;
         node.default = default;
@@ -174,7 +174,8 @@ impl Despot {
         } else {
             default
         };
-        let estimate = (default + self.shortfall.at(scale, default).max(0.0)).min(upper);
+        let prospect = Prospect { mass: scale, value: default, entropy: scale * entropy };
+        let estimate = (default + self.shortfall.at(prospect)).min(upper);
         (node, Values { lower: default, upper, estimate })
     }
 }
@@ -221,7 +222,7 @@ impl Search<'_> {
         let root = Node { viewpoint, probability: 1.0, ..Node::default() };
         let lower = bounds::lower(model, default_policy, belief.as_slice(), viewpoint);
         let upper = bounds::upper(model, belief.as_slice(), viewpoint);
-        let root = self.despot.leaf(root, lower, upper);
+        let root = self.despot.leaf(root, lower, 0.0, upper);
         randoms.reach(0, self.parallel);
         self.space.restart(model, randoms, belief, root);
         self.space.choose(0, 0);

@@ -188,6 +188,7 @@ impl Tree {
         for edge in self.edges_of(node) {
             best.raise(edge.values);
         }
+        best.estimate = best.estimate.max(best.lower).min(best.upper);
         best
     }
 

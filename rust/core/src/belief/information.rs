@@ -23,6 +23,11 @@ pub(crate) fn information(
     (0..model.class_count()).map(of_label).sum()
 }
 
+/// Entropy of a distribution, in nats.
+pub(crate) fn entropy(distribution: &[f64]) -> f64 {
+    distribution.iter().filter(|p| **p > 0.0).map(|p| -p * p.ln()).sum()
+}
+
 impl Belief {
     /// Entropy, in nats, that a scan from `viewpoint` is expected to take from the belief about one position.
     #[must_use]

@@ -1,6 +1,7 @@
 //! A scan in the tree: a child per label vector that some scenario gives; the other labels follow the default policy.
 
 use super::Despot;
+use super::shortfall::Prospect;
 use super::workspace::Workspace;
 use crate::belief::{Memory, information, most_likely};
 use crate::bounds::{self, Look};
@@ -69,8 +70,10 @@ pub(super) struct Brancher {
     probabilities: Vec<f64>,
     /// Value of each position and those behind it, per viewpoint group.
     worth: Vec<f64>,
-    /// Probability of all labels with a branch, and their share of the look's value.
-    branched: (f64, f64),
+    /// What is left to learn about each position and those behind it, where learning is rewarded.
+    entropies: Vec<f64>,
+    /// All labels with a branch.
+    branched: Prospect,
 }
 
 impl Brancher {
@@ -126,7 +129,9 @@ impl Brancher {
         self.probabilities.resize(h + 1, 1.0);
         self.worth.resize((h + 1) * arrival.len(), 0.0);
         self.worth[h * arrival.len()..].copy_from_slice(arrival);
-        self.branched = (0.0, 0.0);
+        self.entropies.clear();
+        self.entropies.resize(h + 1, 0.0);
+        self.branched = Prospect::default();
     }
 
     /// Take the label at hand of one position; whether any scenario gives it.
@@ -143,6 +148,7 @@ impl Brancher {
         let (here, behind) = self.worth.split_at_mut((j + 1) * g);
         self.look.value_from(j, z, &behind[..g], &mut here[j * g..]);
         self.probabilities[j] = probability;
+        self.entropies[j] = self.entropies[j + 1] + self.look.entropy(j, z);
         true
     }
 
@@ -150,9 +156,11 @@ impl Brancher {
     #[inline(always)]
     fn child(&mut self, despot: &Despot, node: &Node, scan: &Scan) -> (Node, Values) {
         let l = despot.model.class_count() as u64;
-        let (probability, value) = (self.probabilities[0], self.worth[self.look.group()]);
-        self.branched.0 += probability;
-        self.branched.1 += probability * value;
+        let probability = self.probabilities[0];
+        let (value, entropy) = (self.worth[self.look.group()], self.entropies[0]);
+        self.branched.mass += probability;
+        self.branched.value += probability * value;
+        self.branched.entropy += probability * entropy;
         let below = Node {
             depth: node.depth + 1,
             decisions: scan.decisions,
@@ -161,17 +169,20 @@ impl Brancher {
             labels: self.labels.iter().rev().fold(0, |code, z| code * l + *z as u64),
             ..node.clone()
         };
-        despot.leaf(below, value, self.uppers[self.labels[0]])
+        despot.leaf(below, value, entropy, self.uppers[self.labels[0]])
     }
 
     /// Values of the edge, its children left out: what the step earns, and the labels without a branch.
     #[inline(always)]
     pub(super) fn fixed(&self, despot: &Despot, node: &Node, reward: f64) -> Values {
         let scale = despot.scale(node);
-        let (mass, value) = self.branched;
-        let rest = scale * despot.model.discount() * (self.look.value() - value);
-        let bound = scale * reward + rest - despot.config.regularization;
-        let mass = scale * despot.model.discount() * (1.0 - mass).max(0.0);
-        Values { estimate: bound + despot.shortfall.at(mass, rest), ..Values::all(bound) }
+        let next = scale * despot.model.discount();
+        let rest = Prospect {
+            mass: next * (1.0 - self.branched.mass).max(0.0),
+            value: next * (self.look.value() - self.branched.value),
+            entropy: next * (self.look.expected_entropy() - self.branched.entropy),
+        };
+        let bound = scale * reward + rest.value - despot.config.regularization;
+        Values { estimate: bound + despot.shortfall.at(rest), ..Values::all(bound) }
     }
 }

@@ -1,6 +1,7 @@
 //! Expanding a leaf: all its actions, each with its children.
 
 use super::branch::{Brancher, Scan};
+use super::shortfall::left_to_learn;
 use super::workspace::Workspace;
 use super::{Despot, follow};
 use crate::belief::{Memory, most_likely, shift};
@@ -98,7 +99,8 @@ impl Expansion {
             let below =
                 Node { depth: node.depth + 1, decisions: node.decisions + 1, labels: 0, ..node.clone() };
             let value = bounds::lower(model, &despot.default_policy, belief, node.viewpoint);
-            self.children.push(despot.leaf(below, value, bounds::upper(model, belief, node.viewpoint)));
+            let upper = bounds::upper(model, belief, node.viewpoint);
+            self.children.push(despot.leaf(below, value, left_to_learn(model, belief), upper));
             Values::all(despot.scale(node) * reward - despot.config.regularization)
         };
         self.edge(action, fixed, first);

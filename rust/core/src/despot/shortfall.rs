@@ -1,14 +1,15 @@
 //! What the default policy is expected to fall short of the optimum by.
 //!
-//! `V* = l + s`, l the default policy's value; s is taken as linear in l and fitted such that `l + s` is on average
-//! what one backup makes of it (fitted value iteration: Gordon, ICML 1995), at beliefs such as searches meet. So
-//! values at different depths can be compared: looking deeper changes them only where it finds something.
+//! `V* = l + s`, l the default policy's value; s is taken as linear in l, and in the entropy that is left where learning
+//! is rewarded (the default policy's value leaves the bonus aside). It is fitted such that `l + s` is on average what
+//! one backup makes of it (fitted value iteration: Gordon, ICML 1995), at beliefs such as searches meet. So values at
+//! different depths can be compared: looking deeper changes them only where it finds something.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 
 use super::branch::Scan;
-use crate::belief::{Memory, condition, most_likely, shift};
+use crate::belief::{Memory, condition, entropy, most_likely, shift};
 use crate::bounds::{self, Look};
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
@@ -23,25 +24,51 @@ const STRAYING: f64 = 0.5;
 /// Backups of the fit; the discount leaves nothing of its start.
 const ROUNDS: usize = 300;
 
-/// `s(b) = offset + slope l(b)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shortfall {
-    offset: f64,
-    slope: f64,
+/// Keeps the fit defined where a feature is the same everywhere; far below any sum of squares.
+const RIDGE: f64 = 1e-9;
+
+/// What a set of beliefs promises, each counted with its weight.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Prospect {
+    /// Sum of the weights.
+    pub mass: f64,
+    /// The default policy's value.
+    pub value: f64,
+    /// What is left to learn: see [`left_to_learn`].
+    pub entropy: f64,
 }
 
+impl Prospect {
+    fn features(self) -> Vector3<f64> {
+        Vector3::new(self.mass, self.value, self.entropy)
+    }
+}
+
+/// Entropy of all positions, where learning is rewarded; 0 elsewhere.
+pub(super) fn left_to_learn(model: &SortingModel, belief: &[f64]) -> f64 {
+    if model.spec().information_gain > 0.0 {
+        return belief.chunks_exact(model.class_count()).map(entropy).sum();
+    }
+    0.0
+}
+
+/// The coefficients of a prospect's features.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shortfall(Vector3<f64>);
+
 impl Shortfall {
-    /// Shortfall of the default policy where its value is `value`, times `mass`; `value` counts with it already.
+    /// Shortfall of the default policy, never negative.
     #[inline(always)]
-    pub(super) fn at(self, mass: f64, value: f64) -> f64 {
-        self.offset * mass + self.slope * value
+    pub(super) fn at(self, prospect: Prospect) -> f64 {
+        let Prospect { mass, value, entropy } = prospect;
+        (self.0[0] * mass + self.0[1] * value + self.0[2] * entropy).max(0.0)
     }
 
     /// Fit to a model. Deterministic.
     pub(super) fn fitted(model: &SortingModel, policy: &OneObjectPolicy) -> Self {
         let mut walk = Walk::new(model, policy);
         let visits: Vec<Visit> = (0..walk.length()).map(|_| walk.step()).collect();
-        let mut fit = Self { offset: 0.0, slope: 0.0 };
+        let mut fit = Self(Vector3::zeros());
         for _ in 0..ROUNDS {
             let Some(next) = fit.backed_up(model.discount(), &visits) else { break };
             fit = next;
@@ -51,24 +78,22 @@ impl Shortfall {
 
     /// The closest fit to what one backup makes of this one.
     fn backed_up(self, discount: f64, visits: &[Visit]) -> Option<Self> {
-        let (mut system, mut target) = (Matrix2::zeros(), Vector2::zeros());
+        let (mut system, mut target) = (Matrix3::identity() * RIDGE, Vector3::zeros());
         for visit in visits {
-            let features = Vector2::new(1.0, visit.value);
-            let value = |&(reward, next): &(f64, f64)| reward + discount * (next + self.at(1.0, next));
+            let features = visit.here.features();
+            let value = |(reward, next): &(f64, Prospect)| reward + discount * (next.value + self.at(*next));
             let best = visit.actions.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
             system += features * features.transpose();
-            target += features * (best - visit.value);
+            target += features * (best - visit.here.value);
         }
-        // Where the default policy is worth the same everywhere there is nothing to tell.
-        let fit = system.lu().solve(&target).filter(|fit| fit.iter().all(|x| x.is_finite()))?;
-        Some(Self { offset: fit[0], slope: fit[1] })
+        system.lu().solve(&target).filter(|fit| fit.iter().all(|x| x.is_finite())).map(Self)
     }
 }
 
-/// The default policy's value at a belief, and of each action the reward and its expected value after it.
+/// What a belief promises; and of each action the reward, and what it promises after it.
 struct Visit {
-    value: f64,
-    actions: Vec<(f64, f64)>,
+    here: Prospect,
+    actions: Vec<(f64, Prospect)>,
 }
 
 /// A walk that now and then does not do what seems best, as searches do.
@@ -79,7 +104,7 @@ struct Walk<'a> {
     belief: Vec<f64>,
     memory: Memory,
     viewpoint: usize,
-    /// One per legal move.
+    /// One per action.
     looks: Vec<Look>,
 }
 
@@ -92,7 +117,7 @@ impl<'a> Walk<'a> {
             belief: model.arrival().as_slice().repeat(model.position_count()),
             memory: Memory::new(model),
             viewpoint: 0,
-            looks: (0..model.viewpoint_count()).map(|_| Look::default()).collect(),
+            looks: (0..=model.viewpoint_count()).map(|_| Look::default()).collect(),
         }
     }
 
@@ -103,40 +128,71 @@ impl<'a> Walk<'a> {
 
     /// Note where the walk stands, and go on.
     fn step(&mut self) -> Visit {
-        let value = bounds::lower(self.model, self.policy, &self.belief, self.viewpoint);
+        let here = self.prospect(&self.belief);
         let actions = self.actions();
-        let worth = |&(reward, next): &(f64, f64)| reward + self.model.discount() * next;
+        let worth = |(reward, next): &(f64, Prospect)| reward + self.model.discount() * next.value;
         let best = (0..actions.len()).max_by(|a, b| worth(&actions[*a]).total_cmp(&worth(&actions[*b])));
         let strays = self.rng.random::<f64>() < STRAYING;
         let chosen = if strays { self.rng.random_range(0..actions.len()) } else { best.unwrap_or(0) };
-        match chosen.checked_sub(1) {
-            None => shift(self.model, &mut self.belief, &mut self.memory),
-            Some(index) => self.look(index),
+        if chosen == 0 {
+            shift(self.model, &mut self.belief, &mut self.memory);
+        } else {
+            self.viewpoint = self.model.legal_moves(self.viewpoint)[chosen - 1];
         }
-        Visit { value, actions }
+        if chosen > 0 || self.model.observes_after_decision() {
+            self.observe(chosen);
+        }
+        Visit { here, actions }
     }
 
-    fn look(&mut self, index: usize) {
-        self.viewpoint = self.model.legal_moves(self.viewpoint)[index];
+    fn prospect(&self, belief: &[f64]) -> Prospect {
+        Prospect {
+            mass: 1.0,
+            value: bounds::lower(self.model, self.policy, belief, self.viewpoint),
+            entropy: left_to_learn(self.model, belief),
+        }
+    }
+
+    fn observe(&mut self, action: usize) {
         for j in 0..self.model.position_count() {
-            let label =
-                invert(self.looks[index].probabilities_of(j).iter().copied(), self.rng.random::<f64>());
+            let probabilities = self.looks[action].probabilities_of(j);
+            let label = invert(probabilities.iter().copied(), self.rng.random::<f64>());
             condition(self.model, &mut self.belief, &mut self.memory, (j, self.viewpoint, label));
         }
     }
 
-    /// Reward of each action, and the default policy's expected value after it: the best decision, then the moves.
-    fn actions(&mut self) -> Vec<(f64, f64)> {
-        let Self { model, policy, belief, memory, viewpoint, looks, .. } = self;
-        let l = model.class_count();
-        let advanced = [&belief[l..], model.arrival().as_slice()].concat();
-        let next = bounds::lower(model, policy, &advanced, *viewpoint);
-        let mut actions = vec![(model.decision_reward(most_likely(&belief[..l]).1), next)];
-        for (look, &to) in looks.iter_mut().zip(model.legal_moves(*viewpoint)) {
-            look.take(model, policy, belief, memory, to);
-            let bonus = Scan { depth: 0, decisions: 0, viewpoint: to }.bonus(model, belief, memory);
-            actions.push((bonus - model.motion_cost(*viewpoint, to), look.value()));
+    /// Reward of each action, and what it promises: the best decision, then the moves.
+    fn actions(&mut self) -> Vec<(f64, Prospect)> {
+        let (model, viewpoint) = (self.model, self.viewpoint);
+        let (_, p_right) = most_likely(&self.belief[..model.class_count()]);
+        let (mut advanced, mut cleared) = (self.belief.clone(), self.memory.clone());
+        shift(model, &mut advanced, &mut cleared);
+        let reward = model.decision_reward(p_right);
+        let mut actions = vec![if model.observes_after_decision() {
+            let (bonus, next) = self.scanned(0, viewpoint, &advanced, &cleared);
+            (reward + bonus, next)
+        } else {
+            (reward, self.prospect(&advanced))
+        }];
+        let (belief, memory) = (self.belief.clone(), self.memory.clone());
+        for (index, &to) in model.legal_moves(viewpoint).iter().enumerate() {
+            let (bonus, next) = self.scanned(index + 1, to, &belief, &memory);
+            actions.push((bonus - model.motion_cost(viewpoint, to), next));
         }
         actions
+    }
+
+    /// The bonus of a scan, and what is expected to be promised after it.
+    fn scanned(
+        &mut self,
+        action: usize,
+        viewpoint: usize,
+        belief: &[f64],
+        memory: &Memory,
+    ) -> (f64, Prospect) {
+        let look = &mut self.looks[action];
+        look.take(self.model, self.policy, belief, memory, viewpoint);
+        let bonus = Scan { depth: 0, decisions: 0, viewpoint }.bonus(self.model, belief, memory);
+        (bonus, Prospect { mass: 1.0, value: look.value(), entropy: look.expected_entropy() })
     }
 }
