@@ -21,7 +21,7 @@ from beltsort.tables.prepare import Prepared
 
 OBJECTS = 10
 DRAWN_FROM = ("elongated", "livarno")
-TRIALS = 50
+TRIALS = 300
 
 
 @dataclass(frozen=True, eq=False)
