@@ -104,7 +104,7 @@ impl PySolution {
         actions::to_python(py, action)
     }
 
-    /// Write the solution to disk, up to 100 MB; `load` reads it.
+    /// Write the solution to disk, up to 40 MB; `load` reads it.
     ///
     /// Parameters
     /// ----------
