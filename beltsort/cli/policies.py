@@ -1,5 +1,6 @@
 """Policies named by one word, `threshold:0.94` for example."""
 
+import re
 from collections.abc import Callable
 
 from beltsort import (
@@ -8,6 +9,7 @@ from beltsort import (
     InformationGain,
     OneObject,
     Policy,
+    Solution,
     SortingModel,
     Threshold,
     solve,
@@ -16,7 +18,8 @@ from beltsort.cli.arguments import DEFAULT_TRIALS
 
 HELP = (
     f"despot[:TRIALS] ({DEFAULT_TRIALS} if missing), despot:SECONDSs (despot:0.01s), threshold:T, "
-    "information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (solves first; 60s if missing)"
+    "information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (solves first; 60s if missing), "
+    "solution:FILE (written by `beltsort solve`)"
 )
 
 
@@ -58,8 +61,11 @@ def _information_gain(model: SortingModel, threshold: str, positions: str = "1")
     return InformationGain(model, float(threshold), int(positions))
 
 
-def _solution(model: SortingModel, time: str = "60s") -> Policy:
-    return solve(model, seconds=_seconds(time))
+def _solution(model: SortingModel, *source: str) -> Policy:
+    time_or_file = ":".join(source) or "60s"
+    if re.fullmatch(r"[\d.]+s?", time_or_file):
+        return solve(model, seconds=_seconds(time_or_file))
+    return Solution.load(time_or_file, model)
 
 
 def _seconds(text: str) -> float:

@@ -1,10 +1,11 @@
 """`beltsort solve`: certified bounds of a model's optimal value."""
 
+import os
 from argparse import Namespace
 from pathlib import Path
 from time import monotonic
 
-from beltsort import SortingModel, solve
+from beltsort import ArgumentError, SortingModel, solve
 from beltsort.cli.arguments import Subparsers, add_json, add_model
 from beltsort.cli.output import print_json, tell
 
@@ -35,6 +36,8 @@ def run(arguments: Namespace) -> int:
     model = SortingModel.load(arguments.model)
     if arguments.positions is not None:
         model = model.with_positions(arguments.positions)
+    if arguments.output is not None:
+        check_writable(arguments.output)
     began = told = monotonic()
 
     def report(lower: float, upper: float) -> None:
@@ -52,3 +55,13 @@ def run(arguments: Namespace) -> int:
     else:
         print(f"{solution.lower:.4f} <= V* <= {solution.upper:.4f}  ({solution.seconds:.1f} s)")
     return 0
+
+
+def check_writable(path: Path) -> None:
+    """Refuse a path that no solution can be written to, before time is spent on one."""
+    if path.is_dir():
+        raise ArgumentError(f"{path} is a directory; name a file")
+    if not path.parent.is_dir():
+        raise ArgumentError(f"{path}: there is no directory {path.parent}; make it first")
+    if not os.access(path.parent, os.W_OK):
+        raise ArgumentError(f"{path}: the directory {path.parent} cannot be written to; name another")

@@ -182,3 +182,13 @@ def test_solve_saves_the_solution(tmp_path: Path) -> None:
     result = command("solve", PAPER, "--seconds", "1", "--json", "-o", str(path))
     assert json.loads(result.stdout)["lower"] == beltsort.Solution.load(path).lower
     assert "saved as" in result.stderr
+
+
+def test_solve_refuses_a_path_before_it_solves(tmp_path: Path) -> None:
+    for path, reason in [
+        (tmp_path, "is a directory"),
+        (tmp_path / "missing" / "file", "there is no directory"),
+    ]:
+        result = command("solve", PAPER, "--seconds", "3600", "-o", str(path))
+        assert result.returncode == 2
+        assert reason in result.stderr

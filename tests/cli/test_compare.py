@@ -1,10 +1,11 @@
 """beltsort compare."""
 
 import re
+from pathlib import Path
 
 import pytest
 
-from beltsort import Despot, InformationGain, SortingModel, Threshold, compare
+from beltsort import Despot, InformationGain, SortingModel, Threshold, compare, evaluate, solve
 
 from .running import PAPER, command, json_of, output
 
@@ -35,6 +36,19 @@ def test_compare_in_words() -> None:
     assert "Minus threshold:0.9 in the same batches" in text
     assert re.search(r"^  steps +[+-]\d.*\([+-]", text, re.MULTILINE)
     assert "Made by: beltsort compare" in text
+
+
+def test_a_saved_solution_is_a_policy(tmp_path: Path) -> None:
+    path = tmp_path / "paper.solution"
+    solution = solve(SortingModel.load(PAPER), seconds=0.3)
+    solution.save(path)
+    options = ["--policies", "threshold:0.9", f"solution:{path}", "--batches", "3"]
+    expected = evaluate(solution.model, solution, batches=3)
+    result = json_of("compare", PAPER, *options)
+    assert result["summary"][f"solution:{path}"] == expected.summary()
+    refused = command("compare", PAPER, "--policies", "despot", f"solution:{path}.missing")
+    assert refused.returncode == 2
+    assert "the solution cannot be read" in refused.stderr
 
 
 @pytest.mark.parametrize(

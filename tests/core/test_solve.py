@@ -48,6 +48,8 @@ def test_bounds_elsewhere_and_actions() -> None:
     lower, upper = solution.bounds(certain)
     assert solution.lower < lower <= upper
     assert solution.act(certain, 0) == Decide(1)
+    lower, upper = solution.bounds(Belief(PAPER))
+    assert solution.lower <= lower <= upper <= solution.upper
     assert isinstance(solution.act(Belief(PAPER), 0), Move)
 
 

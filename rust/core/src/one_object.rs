@@ -9,6 +9,7 @@
 
 mod plan_set;
 mod solve;
+mod stored;
 
 use nalgebra::DVector;
 

@@ -110,7 +110,7 @@ impl Solution {
         })
     }
 
-    /// Bounds of V* at any belief, from the grid and the policies found.
+    /// Bounds of V* at any belief, from the grid and the policies found; at the arrival prior also from the search.
     ///
     /// # Errors
     /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model.
@@ -119,7 +119,12 @@ impl Solution {
         self.model.check_viewpoint(viewpoint)?;
         let (lower, upper) = self.leaves.bounds(&self.model, belief.as_slice(), viewpoint);
         let slack = SLACK * self.model.spec().r_max;
-        Ok((lower - slack, upper + slack))
+        let (lower, upper) = (lower - slack, upper + slack);
+        let alike = self.leaves.policy.group(viewpoint) == self.leaves.policy.group(0);
+        if alike && belief.as_slice() == Belief::new(&self.model).as_slice() {
+            return Ok((lower.max(self.lower), upper.min(self.upper)));
+        }
+        Ok((lower, upper))
     }
 
     /// The model solved.

@@ -19,10 +19,9 @@ use crate::model::PySortingModel;
 ///
 /// References
 /// ----------
-/// Upper bound: value iteration on a grid of beliefs, convex in the belief about each object (Lovejoy,
-/// Operations Research 39, 1991). Search and lower
-/// bound: a graph of the beliefs reached, whose policy is valued exactly, as finite-state controllers are (Hansen,
-/// UAI 1998).
+/// Upper bound: value iteration on a grid of beliefs, convex in the belief about each object (Lovejoy, Operations
+/// Research 39, 1991). Search and lower bound: a graph of the beliefs reached, whose policy is valued exactly, as
+/// finite-state controllers are (Hansen, UAI 1998).
 #[pyclass(frozen, name = "Solution", module = "beltsort")]
 pub struct PySolution {
     pub solution: Solution,
@@ -55,7 +54,7 @@ impl PySolution {
         PySortingModel(Arc::clone(&self.model))
     }
 
-    /// Bounds of V* at any belief; wider than those at the arrival prior, where the search has been.
+    /// Bounds of V* at any belief; at the arrival prior they are those of the search, elsewhere wider.
     ///
     /// Parameters
     /// ----------
@@ -104,7 +103,7 @@ impl PySolution {
         actions::to_python(py, action)
     }
 
-    /// Write the solution to disk, up to 100 MB; `load` reads it.
+    /// Write the solution to disk, up to 40 MB; `load` reads it.
     ///
     /// Parameters
     /// ----------

@@ -197,7 +197,7 @@ fn decide(model: &SortingModel, groups: usize, group: usize, label: usize) -> Co
 }
 
 /// The group of each viewpoint, and the number of groups.
-fn viewpoint_groups(model: &SortingModel) -> (Vec<usize>, usize) {
+pub(super) fn viewpoint_groups(model: &SortingModel) -> (Vec<usize>, usize) {
     let moves = |from: usize| -> Vec<(usize, u64)> {
         let cost = |to: usize| model.motion_cost(from, to).to_bits();
         model.legal_moves(from).iter().map(|&to| (to, cost(to))).collect()

@@ -1,24 +1,29 @@
-//! The belief graph as a policy, valued exactly from below.
+//! The belief graph as a policy, valued exactly from below: a finite-state controller.
 //!
-//! Inside the graph it takes the action with the highest upper bound; where the graph ends it continues with the best
-//! policy known there. Its value from each node is a vector over the joint classes, so every node is itself a policy
-//! to continue with: that closes the graph upon itself, and few rounds suffice.
+//! Inside the graph it takes the action with the highest upper bound. Its value from each node is a vector over the
+//! joint classes, so every node is itself a policy to continue with where the graph ends: that closes the graph upon
+//! itself, and few rounds suffice.
 //!
 //! Let S be the operator that values every node by its action and its successors: monotone, and
 //! `S (X + c) >= S X + discount c` for c <= 0. For *any* X, `X + min (0, min (S X - X)) / (1 - discount)` is at most
 //! the policy's value, by the argument of [`super::value_iteration`]; so sweeps may stop at any time.
 
 use nalgebra::{DMatrix, DVectorView, RowDVector};
+use rayon::prelude::*;
 
 use super::alpha::{AlphaVectors, joint};
 use super::graph::{BeliefGraph, place};
-use super::neighbourhoods::good_policies;
+use super::neighbourhoods::{Candidates, good_policies};
 use super::reach::Reach;
 use crate::model::{Action, SortingModel};
 
-/// A sweep that changes no value by more than this part of `r_max` is the last of its round.
+/// Sweeps that change the root, and lower any value, by less than this part of `r_max` suffice.
 const TOLERANCE: f64 = 1e-5;
-/// Nodes whose values become policies to continue with.
+/// Sweeps before all values are levelled.
+const SWEEPS: usize = 4;
+/// Rows that are compared with their backups at once.
+const BLOCK: usize = 1024;
+/// Nodes whose values become policies to continue with anywhere.
 const SAMPLE: usize = 2500;
 
 /// The graph's nodes as far as the policy reaches them.
@@ -26,10 +31,13 @@ pub(super) struct Controller<'a> {
     model: &'a SortingModel,
     graph: &'a BeliefGraph<'a>,
     reach: &'a Reach,
-    /// Values by node: a row of joint classes for each node of the interior, in its order, then for each leaf.
+    /// A row of joint classes for each node of the interior, in its order; then for each policy known before.
     values: Vec<f64>,
-    /// Row of each node of the graph that is reached.
+    /// Row of each node of the graph that is reached; of a leaf, that of the policy it continues with.
     rows: Vec<u32>,
+    /// What is done at each node of the interior, its reward, and where the rows it leads to end.
+    steps: Vec<(Action, f64, usize)>,
+    successors: Vec<u32>,
     /// Per viewpoint, see [`discounted_likelihoods`].
     likelihoods: Vec<Vec<Vec<f64>>>,
     states: usize,
@@ -43,59 +51,111 @@ impl<'a> Controller<'a> {
         reach: &'a Reach,
         alphas: &AlphaVectors,
     ) -> Self {
-        let states = alphas.0.ncols();
-        let mut rows = vec![u32::MAX; graph.size()];
-        for (row, node) in reach.nodes().enumerate() {
-            rows[node as usize] = place(row);
-        }
+        let interior = reach.interior.len();
         let likelihoods = (0..model.viewpoint_count()).map(|v| discounted_likelihoods(model, v)).collect();
-        let mut controller = Self { model, graph, reach, values: Vec::new(), rows, likelihoods, states };
-        controller.continue_with(alphas, 0);
+        let (rows, states) = (vec![u32::MAX; graph.size()], alphas.0.ncols());
+        let (values, steps, successors) = Default::default();
+        let mut controller =
+            Self { model, graph, reach, values, rows, steps, successors, likelihoods, states };
+        let known = alphas.0.transpose();
+        let everywhere: Vec<_> = reach.nodes().collect();
+        let belief = |i: usize| graph.belief(everywhere[i]).0;
+        let all = Candidates {
+            values: known.as_slice(),
+            states,
+            anywhere: (0..known.ncols()).collect(),
+            nearby: 0,
+        };
+        let chosen = good_policies(model, &all, belief, everywhere.len());
+        for (row, (node, policy)) in everywhere.iter().zip(chosen).enumerate() {
+            let inside = row < interior;
+            controller.rows[*node as usize] = place(if inside { row } else { interior + policy });
+            if inside {
+                controller.values.extend(&known.as_slice()[policy * states..][..states]);
+            }
+        }
+        controller.values.extend(known.as_slice());
+        controller.link();
         controller
     }
 
-    /// Continue at every leaf with the best of these policies, and sweep.
-    pub(super) fn improve(&mut self, alphas: &AlphaVectors, stop: impl Fn() -> bool) {
-        self.continue_with(alphas, self.reach.interior.len());
-        while self.sweep() > TOLERANCE * self.model.spec().r_max && !stop() {}
-        self.certify();
+    /// Continue at every leaf with the best of the graph's own policies and those known before.
+    pub(super) fn close(&mut self) {
+        let interior = self.reach.interior.len();
+        let leaves = &self.reach.leaves;
+        let known = interior..self.values.len() / self.states;
+        let anywhere = sample(interior).chain(known).collect();
+        let candidates = Candidates { values: &self.values, states: self.states, anywhere, nearby: interior };
+        let nodes: Vec<_> = self.reach.nodes().collect();
+        let belief = |i: usize| self.graph.belief(nodes[i]).0;
+        let chosen = good_policies(self.model, &candidates, belief, leaves.len());
+        for ((leaf, _), policy) in leaves.iter().zip(chosen) {
+            self.rows[*leaf as usize] = place(policy);
+        }
+        self.link();
     }
 
-    /// Give all rows from one on the value of the best of these policies there.
-    fn continue_with(&mut self, alphas: &AlphaVectors, from: usize) {
-        let nodes: Vec<_> = self.reach.nodes().skip(from).collect();
-        let belief = |i: usize| self.graph.belief(nodes[i]).0;
-        let chosen = good_policies(self.model, alphas, belief, nodes.len());
-        self.values.truncate(from * self.states);
-        for policy in chosen {
-            self.values.extend(alphas.0.row(policy).iter());
+    /// Lay out what the sweeps go through.
+    fn link(&mut self) {
+        self.steps.clear();
+        self.successors.clear();
+        for step in self.reach.interior.iter().filter_map(|node| self.graph.followed(*node)) {
+            self.successors.extend(step.children.iter().map(|child| self.rows[*child as usize]));
+            self.steps.push((step.action, step.reward, self.successors.len()));
         }
     }
 
-    /// Value every node anew, those far from the root first; the largest change of a value.
-    fn sweep(&mut self) -> f64 {
-        let mut backed_up = vec![0.0; self.states];
-        let mut change = 0.0_f64;
-        for row in (0..self.reach.interior.len()).rev() {
-            self.back_up(row, &mut backed_up);
-            for (new, old) in backed_up.iter().zip(&mut self.values[row * self.states..]) {
-                change = change.max((new - *old).abs());
-                *old = *new;
+    /// Sweep until the root's value has settled, or `stop` says so; then prove the values.
+    pub(super) fn evaluate(&mut self, stop: impl Fn() -> bool) {
+        let most = TOLERANCE * self.model.spec().r_max;
+        let mut before = f64::NEG_INFINITY;
+        loop {
+            let (least, mean) = self.changes();
+            let settled = (self.value() - before).abs() < most && least > -most;
+            if settled || stop() {
+                return self.shift(least.min(0.0));
+            }
+            before = self.value();
+            self.shift(mean);
+            for _ in 0..SWEEPS {
+                self.sweep();
             }
         }
-        change
     }
 
-    /// Lower all values until they are proved; see above.
-    fn certify(&mut self) {
+    /// Value every node anew, those far from the root first.
+    fn sweep(&mut self) {
         let mut backed_up = vec![0.0; self.states];
-        let mut fall = 0.0_f64;
-        for row in 0..self.reach.interior.len() {
+        for row in (0..self.reach.interior.len()).rev() {
             self.back_up(row, &mut backed_up);
-            let changes = backed_up.iter().zip(&self.values[row * self.states..]).map(|(new, old)| new - old);
-            fall = changes.fold(fall, f64::min);
+            self.values[row * self.states..][..self.states].copy_from_slice(&backed_up);
         }
-        let shift = fall / (1.0 - self.model.discount());
+    }
+
+    /// The least and the mean of S X - X.
+    fn changes(&self) -> (f64, f64) {
+        let interior = self.reach.interior.len();
+        let rows = self.values[..interior * self.states].par_chunks(BLOCK * self.states).enumerate();
+        let changes = |(block, old): (usize, &[f64])| {
+            let mut backed_up = vec![0.0; self.states];
+            let (mut least, mut sum) = (f64::INFINITY, 0.0);
+            for (row, old) in old.chunks_exact(self.states).enumerate() {
+                self.back_up(block * BLOCK + row, &mut backed_up);
+                for (new, old) in backed_up.iter().zip(old) {
+                    least = least.min(new - old);
+                    sum += new - old;
+                }
+            }
+            (least, sum)
+        };
+        let (least, sum) =
+            rows.map(changes).reduce(|| (f64::INFINITY, 0.0), |a, b| (a.0.min(b.0), a.1 + b.1));
+        (least, sum / (interior * self.states) as f64)
+    }
+
+    /// Add what a change of all values by this, step after step, amounts to.
+    fn shift(&mut self, change: f64) {
+        let shift = change / (1.0 - self.model.discount());
         let interior = self.reach.interior.len() * self.states;
         self.values[..interior].iter_mut().for_each(|value| *value += shift);
     }
@@ -106,32 +166,27 @@ impl<'a> Controller<'a> {
         belief.iter().zip(&self.values).map(|(b, value)| b * value).sum()
     }
 
-    /// Policies to continue with elsewhere: from some nodes of the interior, and those that some leaves continue with.
+    /// Policies to continue with elsewhere: from some nodes of the interior.
     pub(super) fn alphas(&self) -> AlphaVectors {
         let interior = self.reach.interior.len();
-        let all =
-            self.rows_from(0, interior).chain(self.rows_from(interior, interior + self.reach.leaves.len()));
-        AlphaVectors(DMatrix::from_rows(&all.collect::<Vec<_>>()))
+        let row = |row: usize| RowDVector::from_row_slice(&self.values[row * self.states..][..self.states]);
+        AlphaVectors(DMatrix::from_rows(&sample(interior).map(row).collect::<Vec<_>>()))
     }
 
-    fn rows_from(&self, first: usize, last: usize) -> impl Iterator<Item = RowDVector<f64>> {
-        let rows = (first..last).step_by((last - first).div_ceil(SAMPLE).max(1));
-        rows.map(|row| RowDVector::from_row_slice(&self.values[row * self.states..][..self.states]))
-    }
-
-    fn row(&self, node: u32) -> &[f64] {
-        &self.values[self.rows[node as usize] as usize * self.states..][..self.states]
+    fn row(&self, row: u32) -> &[f64] {
+        &self.values[row as usize * self.states..][..self.states]
     }
 
     /// One row of S X.
     fn back_up(&self, row: usize, backed_up: &mut [f64]) {
-        let Some(step) = self.graph.followed(self.reach.interior[row]) else { return };
-        match step.action {
-            Action::Decide(label) => self.back_up_decision(label, self.row(step.children[0]), backed_up),
+        let (action, reward, end) = self.steps[row];
+        let successors = &self.successors[if row == 0 { 0 } else { self.steps[row - 1].2 }..end];
+        match action {
+            Action::Decide(label) => self.back_up_decision(label, self.row(successors[0]), backed_up),
             Action::Move(to) => {
-                backed_up.fill(step.reward);
-                for (child, likelihood) in step.children.iter().zip(&self.likelihoods[to]) {
-                    for ((sum, p), value) in backed_up.iter_mut().zip(likelihood).zip(self.row(*child)) {
+                backed_up.fill(reward);
+                for (next, likelihood) in successors.iter().zip(&self.likelihoods[to]) {
+                    for ((sum, p), value) in backed_up.iter_mut().zip(likelihood).zip(self.row(*next)) {
                         *sum += p * value;
                     }
                 }
@@ -151,6 +206,11 @@ impl<'a> Controller<'a> {
             }
         }
     }
+}
+
+/// About [`SAMPLE`] of so many rows.
+fn sample(rows: usize) -> impl Iterator<Item = usize> {
+    (0..rows).step_by(rows.div_ceil(SAMPLE).max(1))
 }
 
 /// Discounted `P(z | s, v)`: per label vector z, the last position's label changing fastest, a row over the joint

@@ -1,7 +1,7 @@
 //! Solutions on disk.
 //!
 //! A file is a line that names the format and its version, a line of JSON ([`Header`]), the grid's values (`f32`), the
-//! policies' values (`f64`, a row per policy), and a checksum (`u64`) of all that; numbers are little-endian.
+//! policies' values (`f64`, a row per policy), the one-object policy (`f64`), and a checksum (`u64`) of all that; numbers are little-endian.
 
 use std::fs::File;
 use std::io::Write;
@@ -90,6 +90,8 @@ impl Solution {
         for row in rows {
             bytes.extend(row.iter().flat_map(|value| value.to_le_bytes()));
         }
+        let one_object = self.leaves.policy.to_numbers(&self.model);
+        bytes.extend(one_object.iter().flat_map(|number| number.to_le_bytes()));
         bytes.extend(checksum(&bytes).to_le_bytes());
         Ok(bytes)
     }
@@ -97,29 +99,30 @@ impl Solution {
     fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let (header, payload) = opened(bytes)?;
         let model = SortingModel::new(header.model)?;
-        let grid = header.grid.map(|resolution| GridBound::new(&model, resolution));
         let states = joint_classes(&model);
-        let (values, rows) =
-            payload.split_at_checked(4 * grid.as_ref().map_or(0, |g| g.values.len())).unzip();
-        let (Some(values), Some(rows)) =
-            (values, rows.filter(|rows| rows.len() == 8 * header.policies * states))
-        else {
-            return argument_error(
-                "the file is damaged: its length contradicts its header; save the solution anew",
-            );
-        };
-        let grid = grid.map(|mut grid| {
-            let stored = values.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
-            grid.values.iter_mut().zip(stored).for_each(|(value, stored)| *value = stored);
-            grid
-        });
-        let stored = rows.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
-        let alphas =
-            grid.is_some().then(|| AlphaVectors(DMatrix::from_row_iterator(header.policies, states, stored)));
-        let leaves = LeafBounds { policy: OneObjectPolicy::solve(&model), grid, alphas };
+        let (values, numbers) = payload
+            .split_at_checked(header.grid.map_or(0, |resolution| 4 * resolution.values(&model)))
+            .ok_or_else(contradicted)?;
+        let (rows, one_object) =
+            numbers.split_at_checked(8 * header.policies * states).ok_or_else(contradicted)?;
+        let values = || values.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+        let grid = header.grid.map(|resolution| GridBound::with_values(&model, resolution, values()));
+        let rows = || DMatrix::from_row_iterator(header.policies, states, numbers_in(rows));
+        let alphas = grid.is_some().then(|| AlphaVectors(rows()));
+        let one_object: Vec<_> = numbers_in(one_object).collect();
+        let policy = OneObjectPolicy::from_numbers(&model, &one_object).ok_or_else(contradicted)?;
+        let leaves = LeafBounds { policy, grid, alphas };
         let elapsed = Duration::try_from_secs_f64(header.seconds).unwrap_or_default();
         Ok(Self { model, leaves, lower: header.lower, upper: header.upper, elapsed })
     }
+}
+
+fn numbers_in(bytes: &[u8]) -> impl Iterator<Item = f64> {
+    bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes))
+}
+
+fn contradicted() -> Error {
+    Error::Argument("the file is damaged: its content contradicts its header; save the solution anew".into())
 }
 
 /// The header, and what is between it and the checksum.

@@ -24,6 +24,8 @@ fn a_loaded_solution_answers_like_the_saved_one() {
         let loaded = Solution::load(&path, Some(&model)).unwrap();
         std::fs::remove_file(&path).unwrap();
         let mut belief = Belief::new(&model);
+        let (lower, upper) = loaded.bounds(&belief, 0).unwrap();
+        assert!(saved.lower <= lower && upper <= saved.upper, "as tight as what the search found");
         for label in 0..2 {
             let pair = [&saved, &loaded].map(|s| (s.bounds(&belief, 0).unwrap(), s.act(&belief, 0).unwrap()));
             assert_eq!(pair[0], pair[1]);

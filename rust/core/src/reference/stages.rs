@@ -1,6 +1,6 @@
 //! The stages of the solver: what is done, in which part of the time.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::LeafBounds;
 use super::alpha::{AlphaVectors, joint_classes};
@@ -15,8 +15,8 @@ use crate::model::SortingModel;
 
 /// Parts of the time after which the grid, and the searches, have had their share; the rest is for valuing the
 /// policy found.
-const GRID_UNTIL: f64 = 0.4;
-const SEARCH_UNTIL: f64 = 0.75;
+const GRID_UNTIL: f64 = 0.45;
+const SEARCH_UNTIL: f64 = 0.85;
 /// Intervals per axis of the first grid, fewer where that has too many values for its number of classes.
 const COARSEST: u32 = 10;
 const MOST_COARSE_VALUES: f64 = 1e7;
@@ -25,15 +25,19 @@ const REFINEMENT: f64 = 1.25;
 /// A refinement by less brings less than the search does in its time.
 const LEAST_REFINEMENT: f64 = 1.06;
 /// Gradings tried on a coarse grid; which is best depends on how sharply decisions are punished.
-const GRADINGS: [f64; 4] = [0.0, 0.6, 1.0, 1.4];
+const GRADINGS: [f64; 5] = [0.0, 0.6, 1.0, 1.4, 1.8];
 /// Values of the finest grid, each of 4 bytes, twice.
 const MOST_VALUES: f64 = 1e8;
-/// Values of a grid to keep, and to save: less than 100 MB.
-const MOST_KEPT: f64 = 2.4e7;
+/// Values of a grid to keep, and to save: 36 MB.
+const MOST_KEPT: f64 = 9e6;
 /// Differences that have settled to this part of `r_max` have converged; refining then gains more.
 const TOLERANCE: f64 = 1e-4;
 /// Growth of the graph from one policy to the next.
 const BETWEEN_POLICIES: usize = 3;
+/// The next one waits for the end unless so many times what the last one took is left.
+const MOST_SPENT: u32 = 20;
+/// Times are foreseen from earlier ones; a stage that needs so many times the one foreseen is still in time.
+const MARGIN: f64 = 1.3;
 /// A gap, as a part of `r_max`, at which there is nothing left to do.
 const SOLVED: f64 = 1e-6;
 
@@ -48,7 +52,8 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
     let mut spent = watch.elapsed().as_secs_f64() / GRADINGS.len() as f64;
     loop {
         watch.report_upper(ahead(&best));
-        let affordable = |n: f64| spent * work(n) / work(intervals) < watch.left(GRID_UNTIL).as_secs_f64();
+        let affordable =
+            |n: f64| MARGIN * spent * work(n) / work(intervals) < watch.left(GRID_UNTIL).as_secs_f64();
         let mut finer = (intervals * REFINEMENT).ceil();
         while finer > intervals * LEAST_REFINEMENT && !(affordable(finer) && work(finer) < MOST_VALUES) {
             finer -= 1.0;
@@ -108,17 +113,23 @@ pub(super) fn searched(
     let mut known =
         leaves.grid.is_some().then(|| AlphaVectors::chained(model, &leaves.policy, &[arrival.to_vec()]));
     let most_nodes = MOST_NODES / joint_classes(model).div_ceil(16);
-    let mut valued = 0;
+    let (mut valued, mut spent) = (0, Duration::ZERO);
     loop {
         let reach = Reach::new(&graph, model.discount());
-        let over = watch.over(SEARCH_UNTIL) || graph.size() > most_nodes || reach.leaves.is_empty();
-        if over || reach.interior.len() > valued * BETWEEN_POLICIES {
+        let growth = reach.interior.len() as f64 / usize::max(valued, 1) as f64;
+        // What is found by searching on could not be valued any more.
+        let late = spent.mul_f64(MARGIN * growth) > watch.left(1.0);
+        let over = late || watch.over(SEARCH_UNTIL) || graph.size() > most_nodes || reach.leaves.is_empty();
+        let due = reach.interior.len() > valued * BETWEEN_POLICIES;
+        if over || due && spent * MOST_SPENT < watch.left(SEARCH_UNTIL) {
+            let began = Instant::now();
             valued = reach.interior.len();
             let stop = || watch.over(if over { 1.0 } else { SEARCH_UNTIL });
             match &mut known {
                 Some(known) => controlled(model, &graph, &reach, known, watch, stop),
                 None => watch.report_lower(policy_value(model, &leaves.policy, &graph, &reach, stop)),
             }
+            spent = began.elapsed();
         }
         if over || watch.gap() < SOLVED * model.spec().r_max {
             return known;
@@ -137,16 +148,24 @@ fn controlled(
     watch: &Watch<'_>,
     stop: impl Fn() -> bool,
 ) {
+    if reach.interior.is_empty() {
+        return;
+    }
     let mut controller = Controller::new(model, graph, reach, known);
     let mut lower = f64::NEG_INFINITY;
-    while !stop() {
-        controller.improve(known, &stop);
+    loop {
+        controller.evaluate(&stop);
         let improved = controller.value();
         if improved < lower + TOLERANCE * model.spec().r_max {
             return;
         }
-        watch.report_lower(improved);
         *known = controller.alphas();
+        // From the root, too, another node's policy may be the better one.
+        watch.report_lower(known.value(model, &graph.belief(ROOT).0));
         lower = improved;
+        if stop() {
+            return;
+        }
+        controller.close();
     }
 }

@@ -150,11 +150,12 @@ fn policies_of_the_graph_improve_and_stay_below_the_upper_bound() {
             let arrival = graph.belief(ROOT).0;
             let simple = AlphaVectors::chained(&model, &leaves.policy, std::slice::from_ref(&arrival));
             let mut controller = Controller::new(&model, graph, &reach, &simple);
-            controller.improve(&simple, || true);
+            controller.evaluate(|| true);
             assert!(controller.value() <= graph.upper(ROOT), "certified however early it is stopped");
-            controller.improve(&simple, || false);
-            let (first, known) = (controller.value(), controller.alphas());
-            controller.improve(&known, || false);
+            controller.evaluate(|| false);
+            let first = controller.value();
+            controller.close();
+            controller.evaluate(|| false);
             assert!(first < controller.value() && controller.value() <= graph.upper(ROOT));
             let chained = policy_value(&model, &leaves.policy, graph, &reach, || false);
             assert!(chained <= graph.upper(ROOT));

@@ -103,10 +103,14 @@ pub(super) fn posteriors(
 impl GridBound {
     /// What being right in every step, everywhere, is worth: no more can be had.
     pub(super) fn new(model: &SortingModel, resolution: Resolution) -> Self {
-        let axis = Axis::new(resolution.grid(model));
         let best = rounded_up(model.spec().r_max / (1.0 - model.discount()));
+        Self::with_values(model, resolution, vec![best; resolution.values(model)])
+    }
+
+    /// The bound with these values, as many as the resolution has.
+    pub(super) fn with_values(model: &SortingModel, resolution: Resolution, values: Vec<f32>) -> Self {
+        let axis = Axis::new(resolution.grid(model));
         let width = if model.position_count() == 2 { axis.points.len() } else { 1 };
-        let values = vec![best; resolution.values(model)];
         Self { resolution, axis, width, values }
     }
 
