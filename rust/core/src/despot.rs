@@ -53,8 +53,12 @@ use workspace::{Lease, Pool};
 const TARGET_GAP: f64 = 0.95;
 /// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
 const SOLVED: f64 = 1e-10;
-/// Leaves chosen before any of them is expanded: work for the threads, and a little less well informed each.
-const BATCH: usize = 32;
+/// Leaves chosen before any of them is expanded: work for the threads, and a little less well informed each. As many
+/// as this part of the trials done, within limits; never a matter of threads.
+const BATCH: (u64, std::ops::Range<u64>) = (4, 8..256);
+/// Expansions that are worth waking another thread for, and those done by one task.
+const WORTH_SHARING: usize = 64;
+const PER_TASK: usize = 8;
 /// A search that nobody stops.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
@@ -241,11 +245,13 @@ impl Search<'_> {
 
     /// Trials that the budget still allows for, at most a batch.
     fn allowed(&self) -> usize {
-        match self.budget {
+        let batch = (self.trials / BATCH.0).clamp(BATCH.1.start, BATCH.1.end);
+        let allowed = match self.budget {
             _ if self.out_of_time() => 0,
-            Budget::Trials(trials) => usize::try_from(trials - self.trials).unwrap_or(BATCH).min(BATCH),
-            Budget::Time(_) => BATCH,
-        }
+            Budget::Trials(trials) => batch.min(trials - self.trials),
+            Budget::Time(_) => batch,
+        };
+        usize::try_from(allowed).unwrap_or(usize::MAX)
     }
 
     /// Choose the leaves of the next trials; until they are expanded each counts as settled, so that the others
@@ -290,15 +296,16 @@ impl Search<'_> {
     /// Expand the chosen leaves, each on its own; a leaf that there is no more time for stays one.
     fn expand_leaves(&mut self, trials: usize, in_time: impl Fn(&Self) -> bool + Sync) {
         let Despot { model, randoms, .. } = self.despot;
-        self.space.require_labels(model, randoms, trials, self.parallel);
+        let shared = self.parallel && trials >= WORTH_SHARING;
+        self.space.require_labels(model, randoms, trials, shared);
         let mut expansions = std::mem::take(&mut self.space.expansions);
         let expand = |expansion: &mut Expansion| {
             if in_time(self) {
                 expansion.run(self.despot, &self.space);
             }
         };
-        if self.parallel {
-            expansions[..trials].par_iter_mut().for_each(expand);
+        if shared {
+            expansions[..trials].par_iter_mut().with_min_len(PER_TASK).for_each(expand);
         } else {
             expansions[..trials].iter_mut().for_each(expand);
         }

@@ -30,7 +30,8 @@ use crate::user_policy::UserPolicy;
 ///     Updates the belief, gives the rewards, and says whether a scan follows each decision. Such a scan counts
 ///     for `max_looks`, but is no step.
 /// policy : Policy
-///     `Despot`, `Threshold`, `InformationGain`, `OneObject`, or any object with a method ``act(belief, viewpoint)`` that
+///     `Despot`, `Threshold`, `InformationGain`, `OneObject`, or any object with a method
+///     ``act(belief, viewpoint)`` that
 ///     returns a `Move` or a `Decide`. Such an object is asked from one thread, and its exceptions pass
 ///     through unchanged.
 /// batches : int

@@ -156,9 +156,9 @@ fn plans_do_not_depend_on_threads_or_repetition() {
     let belief = Belief::new(despot.model());
     let plan = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| despot.plan_in_parallel(&belief, 0, Budget::Trials(300)).unwrap())
+        pool.install(|| despot.plan_in_parallel(&belief, 0, Budget::Trials(1000)).unwrap())
     };
-    let alone = despot.plan(&belief, 0, Budget::Trials(300)).unwrap();
+    let alone = despot.plan(&belief, 0, Budget::Trials(1000)).unwrap();
     for threads in [1, 2, 4, 8, 2] {
         assert_eq!(plan(threads), alone);
     }

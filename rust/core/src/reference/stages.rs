@@ -22,6 +22,8 @@ const COARSEST: u32 = 10;
 const MOST_COARSE_VALUES: f64 = 1e7;
 /// The factor from one grid to the next.
 const REFINEMENT: f64 = 1.25;
+/// Finer than this a grid of few dimensions gains nothing more.
+const MOST_INTERVALS: f64 = 1000.0;
 /// A refinement by less brings less than the search does in its time.
 const LEAST_REFINEMENT: f64 = 1.06;
 /// Gradings tried on a coarse grid; which is best depends on how sharply decisions are punished.
@@ -54,7 +56,7 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
         watch.report_upper(ahead(&best));
         let affordable =
             |n: f64| MARGIN * spent * work(n) / work(intervals) < watch.left(GRID_UNTIL).as_secs_f64();
-        let mut finer = (intervals * REFINEMENT).ceil();
+        let mut finer = (intervals * REFINEMENT).ceil().min(MOST_INTERVALS);
         while finer > intervals * LEAST_REFINEMENT && !(affordable(finer) && work(finer) < MOST_VALUES) {
             finer -= 1.0;
         }
