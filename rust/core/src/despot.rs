@@ -17,7 +17,8 @@
 //! fall short by ([`shortfall`]). Lower bounds rise where the search has looked deeper; estimates do so only
 //! where looking deeper has found more than it finds on average.
 //!
-//! Leaves are expanded in batches of a fixed size, so that threads share the work without a say in the result.
+//! Leaves are expanded in batches whose size depends on the trials done alone, so that threads share the work without a
+//! say in the result.
 
 mod branch;
 mod config;

@@ -2,6 +2,30 @@
 //!
 //! Follows "Sorting objects from a conveyor belt using active perception with a POMDP model" (Mezei, Tamás,
 //! Buşoniu, ECC 2019); equation numbers in these docs are that paper's.
+//!
+//! # What each choice of the search is worth
+//!
+//! Mean loss of value per planner step (V* less the value of the action taken, by a one-step look-ahead on the upper
+//! bound of `solve`), on the paper's instance with H = 2 and `r_min` = 50: batches of ten objects, simulation seed 5,
+//! 512 scenarios, each choice changed in the source. The sum of discounted losses is at most 20 times as large.
+//!
+//! | planner | loss per step |
+//! |---|---|
+//! | one-object policy, chosen anew at each step | 0.0093 ± 0.0004 |
+//! | one step ahead of its value | 0.0043 ± 0.0003 |
+//! | two steps ahead, every label vector | 0.0007 ± 0.0001 |
+//! | one step ahead of a coarse grid bound (12 intervals) | 0.0018 ± 0.0001 |
+//! | DESPOT, estimates with a constant shortfall: 1, 10, 50, 1000 trials | 0.0042, 0.0026, 0.0012, 0.0005 (± 0.0001 to 0.0004) |
+//! | the same, one-object plans thinned to 72 of 287 (as now): 50, 200 trials | 0.0012, 0.0012 (± 0.0001) |
+//!
+//! With more positions the estimate decides. Discounted return of a batch of ten, a random model with H = 4, L = 4,
+//! K = 3 (diagonals about 0.6), 400 batches, simulation seed 7; standard error 0.3, of differences between planners 0.25:
+//!
+//! | estimate at a leaf | 20 trials | 100 trials | 400 trials |
+//! |---|---|---|---|
+//! | default value plus a constant | 32.77 | 32.30 | 32.22 |
+//! | linear in the default value, fitted to the greedy policy's own visits | 32.68 | 32.49 | 31.78 |
+//! | linear, fitted at beliefs such as searches meet (as now) | 32.76 | 32.86 | 32.94 |
 
 mod belief;
 mod bounds;
