@@ -20,6 +20,7 @@ __all__ = [
     "InformationGain",
     "ModelError",
     "Move",
+    "OneObject",
     "Plan",
     "PolicyError",
     "Solution",
