@@ -23,10 +23,10 @@ use crate::plan::PyPlan;
 /// of the other labels follows the default policy, the best conditional plan for one object after the other.
 /// Solving for those plans is what makes the constructor take a moment.
 ///
-/// A trial expands one leaf of the tree. Leaves are chosen in batches of 8 to 256, one after the other, and those of
-/// a batch are expanded at the same time by all threads. So with a budget of trials a plan is a pure function
-/// of model, belief, viewpoint, seed and settings, bit by bit the same for any number of `threads`; with a
-/// budget of time it depends on the machine too.
+/// A trial expands one leaf of the tree. Leaves are chosen in batches of 8 to 256, more as the search goes on,
+/// and those of a large batch are expanded at the same time by all threads. So with a budget of trials a plan
+/// is a pure function of model, belief, viewpoint, seed and settings, bit by bit the same for any number of
+/// `threads`; with a budget of time it depends on the machine too.
 ///
 /// Repeated labels, scans after decisions and a bonus for information are planned for where the model has them.
 ///
