@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from beltsort._core import ArgumentError, Evaluation, SortingModel, evaluate
 from beltsort.policy import Policy
-from beltsort.text import number_or_none, text_table
+from beltsort.text import numbers_or_none, text_table
 
 
 @dataclass(frozen=True)
@@ -124,12 +124,12 @@ class Comparison:
             "seed": self.seed,
             "baseline": self.baseline,
             "summary": {
-                name: {metric: _finite(statistics) for metric, statistics in summary.items()}
+                name: {metric: numbers_or_none(statistics) for metric, statistics in summary.items()}
                 for name, summary in self.summary().items()
             },
             "differences": {
                 name: {
-                    metric: _finite({"mean": d.mean, "standard_error": d.standard_error, "z": d.z})
+                    metric: numbers_or_none({"mean": d.mean, "standard_error": d.standard_error, "z": d.z})
                     for metric, d in differences.items()
                 }
                 for name, differences in self.differences().items()
@@ -244,7 +244,3 @@ def compare(
 def _check(what: str, name: str, names: Sequence[str]) -> None:
     if name not in names:
         raise ArgumentError(f"there is no {what} {name!r} here; there are {', '.join(names)}")
-
-
-def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
-    return {key: number_or_none(value) for key, value in numbers.items()}

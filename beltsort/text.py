@@ -1,7 +1,7 @@
 """Results as plain text and as JSON."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 
 def text_table(rows: Sequence[Sequence[str]]) -> str:
@@ -17,3 +17,8 @@ def text_table(rows: Sequence[Sequence[str]]) -> str:
 def number_or_none(value: float) -> float | None:
     """Return the number, or None where JSON has no way to write it."""
     return value if math.isfinite(value) else None
+
+
+def numbers_or_none(numbers: Mapping[str, float]) -> dict[str, float | None]:
+    """Do the same for named numbers."""
+    return {name: number_or_none(value) for name, value in numbers.items()}

@@ -14,7 +14,7 @@ from beltsort.cli.arguments import (
     simulation_of,
 )
 from beltsort.cli.output import print_json, print_table
-from beltsort.text import number_or_none
+from beltsort.text import numbers_or_none
 
 OPTIONS_OF = {
     "despot": {"trials", "seconds"},
@@ -77,10 +77,7 @@ def show_json(arguments: Namespace, result: Evaluation) -> None:
             "batches": arguments.batches,
             "batch_size": arguments.batch_size,
             "seed": arguments.seed,
-            "summary": {
-                name: {key: number_or_none(value) for key, value in statistics.items()}
-                for name, statistics in result.summary().items()
-            },
+            "summary": {name: numbers_or_none(statistics) for name, statistics in result.summary().items()},
         }
     )
 
