@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beltsort._core import ArgumentError, Evaluation, SortingModel, evaluate
+from beltsort._core import ArgumentError, Evaluation, Solution, SortingModel, evaluate
 from beltsort.policy import Policy
 from beltsort.text import numbers_or_none, text_table
 
@@ -174,6 +174,7 @@ def compare(
     true_classes: ArrayLike | None = None,
     truth: SortingModel | None = None,
     max_looks: int = 60,
+    reference: Solution | None = None,
     baseline: str | None = None,
     metrics: Sequence[str] | None = None,
 ) -> Comparison:
@@ -185,7 +186,7 @@ def compare(
 
     Parameters
     ----------
-    model, batches, batch_size, seed, threads, viewpoint, true_classes, truth, max_looks
+    model, batches, batch_size, seed, threads, viewpoint, true_classes, truth, max_looks, reference
         As `evaluate` takes them.
     policies
         At least two policies by name: whatever `evaluate` accepts.
@@ -231,6 +232,7 @@ def compare(
             true_classes=true_classes,
             truth=truth,
             max_looks=max_looks,
+            reference=reference,
         )
         for name, policy in policies.items()
     }

@@ -1,11 +1,13 @@
 """Arguments that several commands share."""
 
+import json
 from argparse import ArgumentParser, Namespace, _SubParsersAction
 from collections.abc import Sequence
 from difflib import get_close_matches
+from inspect import signature
 from typing import Any, TypeAlias
 
-from beltsort import ArgumentError, SortingModel
+from beltsort import ArgumentError, Solution, SortingModel
 
 Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
 
@@ -19,8 +21,45 @@ def add_json(parser: ArgumentParser) -> None:
 
 
 def add_model(parser: ArgumentParser) -> None:
-    """Add the model file."""
+    """Add the model file, and what is changed about it."""
     parser.add_argument("model", metavar="MODEL", help="a model file (JSON)")
+    parser.add_argument("--positions", type=int, metavar="H", help="keep the first H positions only")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change a key of the model (--set r_min=500); repeat for further ones",
+    )
+
+
+def load_model(arguments: Namespace) -> SortingModel:
+    """Read the model file and change what was asked for.
+
+    Raises
+    ------
+    ArgumentError
+        For a change that is not KEY=VALUE, or of a key that models do not have, naming the nearest one.
+    """
+    model = SortingModel.load(arguments.model)
+    if arguments.positions is not None:
+        model = model.with_positions(arguments.positions)
+    changes = dict(parse_change(change) for change in arguments.set)
+    return model.replace(**changes) if changes else model
+
+
+def parse_change(text: str) -> tuple[str, Any]:
+    """Read KEY=VALUE, the value as JSON, or as text if it is none."""
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise ArgumentError(f"--set {text}: expected KEY=VALUE, r_min=500 for example")
+    known = list(signature(SortingModel).parameters)
+    if key not in known:
+        raise ArgumentError(f"--set {text}: a model has no key {key!r}; {nearest_of(key, known)}")
+    try:
+        return key, json.loads(value)
+    except json.JSONDecodeError:
+        return key, value
 
 
 def add_budget(parser: ArgumentParser) -> None:
@@ -48,6 +87,11 @@ def add_simulation(parser: ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of objects and labels (default: 0)")
     parser.add_argument("--threads", type=int, metavar="N", help="default: all cores")
     parser.add_argument(
+        "--reference",
+        metavar="FILE",
+        help="a solution (`beltsort solve -o`) to measure regret against",
+    )
+    parser.add_argument(
         "--true-classes", metavar="A,B", help="draw objects uniformly from these classes (names or indices)"
     )
 
@@ -60,6 +104,7 @@ def simulation_of(arguments: Namespace, model: SortingModel) -> dict[str, Any]:
         "seed": arguments.seed,
         "threads": arguments.threads,
         "true_classes": parse_classes(arguments.true_classes, model),
+        "reference": None if arguments.reference is None else Solution.load(arguments.reference, model),
     }
 
 
@@ -96,8 +141,10 @@ def index_of(text: str, names: Sequence[str], what: str) -> int:
         return names.index(text)
     if text.isdecimal() and int(text) < len(names):
         return int(text)
-    nearest = get_close_matches(text, names, n=1, cutoff=0.0)
-    raise ArgumentError(
-        f"there is no {what} {text!r}; did you mean {nearest[0]!r}? "
-        f"Known: {', '.join(names)}, or 0 to {len(names) - 1}"
-    )
+    raise ArgumentError(f"there is no {what} {text!r}; {nearest_of(text, names)}, or 0 to {len(names) - 1}")
+
+
+def nearest_of(text: str, names: Sequence[str]) -> str:
+    """Say which names there are, and which one was probably meant."""
+    (nearest,) = get_close_matches(text, names, n=1, cutoff=0.0)
+    return f"did you mean {nearest!r}? Known: {', '.join(names)}"

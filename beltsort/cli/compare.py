@@ -2,9 +2,9 @@
 
 from argparse import Namespace
 
-from beltsort import ArgumentError, SortingModel
+from beltsort import ArgumentError
 from beltsort import compare as simulate
-from beltsort.cli.arguments import Subparsers, add_json, add_model, add_simulation, simulation_of
+from beltsort.cli.arguments import Subparsers, add_json, add_model, add_simulation, load_model, simulation_of
 from beltsort.cli.output import print_json
 from beltsort.cli.policies import HELP, named_policy
 
@@ -28,7 +28,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Simulate and print."""
-    model = SortingModel.load(arguments.model)
+    model = load_model(arguments)
     names: list[str] = arguments.policies
     if len(set(names)) < len(names):
         raise ArgumentError(f"--policies {' '.join(names)} names a policy twice; name each once")

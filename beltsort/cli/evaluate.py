@@ -11,6 +11,7 @@ from beltsort.cli.arguments import (
     add_model,
     add_simulation,
     budget_of,
+    load_model,
     simulation_of,
 )
 from beltsort.cli.output import print_json, print_table
@@ -43,7 +44,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Simulate and print."""
-    model = SortingModel.load(arguments.model)
+    model = load_model(arguments)
     result = simulate(model, make_policy(arguments, model), **simulation_of(arguments, model))
     show = show_json if arguments.json else show_text
     show(arguments, result)

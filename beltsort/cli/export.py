@@ -3,8 +3,8 @@
 from argparse import Namespace
 from pathlib import Path
 
-from beltsort import ArgumentError, SortingModel
-from beltsort.cli.arguments import Subparsers, add_json, add_model
+from beltsort import ArgumentError
+from beltsort.cli.arguments import Subparsers, add_json, add_model, load_model
 from beltsort.cli.output import print_json
 
 FORMAT = ".pomdp"
@@ -27,7 +27,7 @@ def run(arguments: Namespace) -> int:
     """Write the file."""
     if arguments.file.suffix != FORMAT:
         raise ArgumentError(f"{arguments.file} does not end in {FORMAT}, the one format that is written")
-    SortingModel.load(arguments.model).to_pomdp(arguments.file)
+    load_model(arguments).to_pomdp(arguments.file)
     written = arguments.file.stat().st_size
     if arguments.json:
         print_json({"file": str(arguments.file), "bytes": written})

@@ -4,7 +4,15 @@ from argparse import Namespace
 from typing import Any
 
 from beltsort import ArgumentError, Belief, Despot, Plan, SortingModel
-from beltsort.cli.arguments import Subparsers, add_budget, add_json, add_model, budget_of, index_of
+from beltsort.cli.arguments import (
+    Subparsers,
+    add_budget,
+    add_json,
+    add_model,
+    budget_of,
+    index_of,
+    load_model,
+)
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.explanation import action_in_words, explain, tree_in_names
 
@@ -39,7 +47,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Observe, plan and print."""
-    model = SortingModel.load(arguments.model)
+    model = load_model(arguments)
     belief, viewpoint = Belief(model), 0
     for scan in arguments.observe:
         viewpoint, labels = parse_scan(scan, model)

@@ -5,8 +5,8 @@ from argparse import Namespace
 from pathlib import Path
 from time import monotonic
 
-from beltsort import ArgumentError, SortingModel, solve
-from beltsort.cli.arguments import Subparsers, add_json, add_model
+from beltsort import ArgumentError, solve
+from beltsort.cli.arguments import Subparsers, add_json, add_model, load_model
 from beltsort.cli.output import print_json, tell
 
 SECONDS_BETWEEN_REPORTS = 2.0
@@ -23,7 +23,6 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument(
         "--seconds", type=float, default=60.0, metavar="S", help="time to spend (default: 60)"
     )
-    parser.add_argument("--positions", type=int, metavar="H", help="keep the first H positions only")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="save the solution, for `beltsort.Solution.load`"
     )
@@ -33,9 +32,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Solve, reporting on standard error."""
-    model = SortingModel.load(arguments.model)
-    if arguments.positions is not None:
-        model = model.with_positions(arguments.positions)
+    model = load_model(arguments)
     if arguments.output is not None:
         check_writable(arguments.output)
     began = told = monotonic()

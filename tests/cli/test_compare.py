@@ -51,6 +51,33 @@ def test_a_saved_solution_is_a_policy(tmp_path: Path) -> None:
     assert "the solution cannot be read" in refused.stderr
 
 
+def test_a_changed_model_and_its_reference(tmp_path: Path) -> None:
+    path = str(tmp_path / "one.solution")
+    changes = ["--positions", "1", "--set", "r_min=5", "--set", "note=one"]
+    assert command("solve", PAPER, *changes, "--seconds", "1", "-o", path).returncode == 0
+    policies = ["--policies", "threshold:0.9", f"solution:{path}", "--batches", "3"]
+    result = json_of("compare", PAPER, *changes, *policies, "--reference", path)
+    assert result["summary"]["threshold:0.9"]["regrets"]["mean"] > 0.0
+    assert result["summary"][f"solution:{path}"]["regrets"]["mean"] == 0.0
+    refused = command("compare", PAPER, *policies, "--reference", path)
+    assert "of another model" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("rmin=5", "no key 'rmin'; did you mean 'r_min'? Known: classes, "),
+        ("r_min", "expected KEY=VALUE"),
+        ("r_min=-5", "r_min = -5"),
+        ("travel=[[0]]", "travel has 1 entries, expected 3"),
+    ],
+)
+def test_changes_that_make_no_model_are_refused(change: str, message: str) -> None:
+    done = command("evaluate", PAPER, "--policy", "despot", "--set", change)
+    assert done.returncode == 2
+    assert re.fullmatch(rf"beltsort: error: .*{re.escape(message)}.*\n", done.stderr)
+
+
 @pytest.mark.parametrize(
     ("policies", "message"),
     [

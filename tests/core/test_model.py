@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beltsort import Belief, Decide, Move, SortingModel
+from beltsort import Belief, Decide, ModelError, Move, SortingModel
 
 from .models import random_model
 
@@ -105,6 +105,17 @@ def test_fewer_positions() -> None:
     assert one.counts is not None
     assert one.counts.shape == (1, 2, 3, 3)
     assert one.repeat.tolist() == [[0.0, 0.5]]
+
+
+def test_replaced_settings_are_the_only_ones_that_change() -> None:
+    changed = FULL.replace(r_min=7, note="seven")
+    assert (changed.r_min, changed.note) == (7.0, "seven")
+    assert changed.replace(r_min=FULL.r_min, note=FULL.note) == FULL
+    assert FULL.replace() == FULL
+    with pytest.raises(ModelError, match="r_min"):
+        FULL.replace(r_min=-1)
+    with pytest.raises(TypeError, match="rmin"):
+        FULL.replace(rmin=1)
 
 
 def test_a_model_file_has_the_names_of_the_constructor() -> None:

@@ -66,6 +66,7 @@ fn simulation(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
         seed: 0,
         viewpoint: 0,
         true_classes: TrueClasses::Arrival,
+        reference: None,
         max_looks: 60,
     };
     let mut group = criterion.benchmark_group("evaluate a threshold in batches");

@@ -127,6 +127,28 @@ impl Solution {
         Ok((lower, upper))
     }
 
+    /// What an action loses against the best one, both valued one exact step ahead of the upper bound; not negative.
+    ///
+    /// Where the bound is tight, so is this: `V* - V` of a policy is the expected discounted sum of what its actions
+    /// lose.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model, or its upper bound is the closed form,
+    /// which says nothing about actions.
+    pub fn regret(&self, belief: &Belief, viewpoint: usize, action: Action) -> Result<f64> {
+        belief.check_fits(&self.model)?;
+        self.model.check_viewpoint(viewpoint)?;
+        let Some(grid) = &self.leaves.grid else {
+            return argument_error(
+                "this solution cannot value actions: it is of a model with more than two positions, or with viewpoints \
+                 that differ in their moves; compare returns instead",
+            );
+        };
+        let belief = belief.as_slice();
+        let best = grid.look_ahead(&self.model, belief, viewpoint).1;
+        Ok((best - grid.action_value(&self.model, belief, viewpoint, action)).max(0.0))
+    }
+
     /// The model solved.
     #[must_use]
     pub fn model(&self) -> &SortingModel {

@@ -6,11 +6,14 @@
 mod batch;
 mod evaluation;
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::error::{Result, argument_error};
 use crate::model::SortingModel;
 use crate::policy::Policy;
+use crate::reference::Solution;
 use batch::Batch;
 pub use evaluation::{Evaluation, Statistics};
 
@@ -43,6 +46,8 @@ pub struct EvaluationConfig {
     pub true_classes: TrueClasses,
     /// An object looked at this often is decided as its most likely class.
     pub max_looks: usize,
+    /// What the policy's regret is measured against.
+    pub reference: Option<Arc<Solution>>,
 }
 
 /// Simulate a policy: `model` updates the belief and gives the rewards, `truth` draws classes and labels.
@@ -72,6 +77,7 @@ fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) 
             return argument_error(format!("{name} = {value}; give at least 1, and less than {MOST}"));
         }
     }
+    config.reference.as_ref().map_or(Ok(()), |reference| reference.check_solves(model))?;
     let shape = |m: &SortingModel| (m.position_count(), m.viewpoint_count(), m.class_count());
     if shape(model) != shape(truth) {
         return argument_error(format!(

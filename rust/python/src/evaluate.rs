@@ -1,5 +1,6 @@
 //! `evaluate`.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use beltsort_core as core;
@@ -53,6 +54,9 @@ use crate::user_policy::UserPolicy;
 /// max_looks : int
 ///     An object looked at this often is decided as its most likely class. Too large, and a policy that never
 ///     decides never ends.
+/// reference : Solution, optional
+///     What the actions are held against: its upper bound, one exact step ahead, says what each of them loses
+///     (`Evaluation.regrets`). For one or two positions and viewpoints that are all alike.
 ///
 /// Returns
 /// -------
@@ -77,7 +81,7 @@ use crate::user_policy::UserPolicy;
 /// {'mean': 20.0, 'standard_error': 0.0}
 #[pyfunction]
 #[pyo3(signature = (model, policy, *, batches=1000, batch_size=10, seed=0, threads=None, viewpoint=0,
-                    true_classes=None, truth=None, max_looks=60))]
+                    true_classes=None, truth=None, max_looks=60, reference=None))]
 #[allow(clippy::too_many_arguments)] // the public contract
 pub fn evaluate(
     py: Python<'_>,
@@ -91,6 +95,7 @@ pub fn evaluate(
     true_classes: Option<&Bound<'_, PyAny>>,
     truth: Option<&PySortingModel>,
     max_looks: Whole,
+    reference: Option<&PySolution>,
 ) -> PyResult<PyEvaluation> {
     let config = EvaluationConfig {
         batches: count("batches", batches)?,
@@ -99,6 +104,7 @@ pub fn evaluate(
         viewpoint: index("viewpoint", viewpoint)?,
         true_classes: true_classes.map_or(Ok(TrueClasses::Arrival), classes)?,
         max_looks: count("max_looks", max_looks)?,
+        reference: reference.map(|reference| Arc::clone(&reference.solution)),
     };
     let truth = truth.unwrap_or(model);
     let drawn_from_model = truth.0 == model.0 && config.true_classes == TrueClasses::Arrival;
@@ -115,7 +121,7 @@ pub fn evaluate(
     let evaluation = if let Ok(despot) = policy.cast::<PyDespot>() {
         run(&despot.get().planner, pool)?.map_err(to_python)
     } else if let Ok(solution) = policy.cast::<PySolution>() {
-        run(&solution.get().solution, pool)?.map_err(to_python)
+        run(&*solution.get().solution, pool)?.map_err(to_python)
     } else if let Ok(threshold) = policy.cast::<PyThreshold>() {
         run(&threshold.get().policy, pool)?.map_err(to_python)
     } else if let Ok(gain) = policy.cast::<PyInformationGain>() {

@@ -82,6 +82,29 @@ impl PyEvaluation {
         self.evaluation.discounted_bonuses.clone().into_pyarray(py)
     }
 
+    /// Sum of what the policy's actions lost against the best ones; float64.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If no `reference` was given.
+    #[getter]
+    fn regrets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        referred(py, &self.evaluation.regrets)
+    }
+
+    /// Sum of discounted regrets; float64. Over batches so long that nothing is left behind them, its mean is
+    /// what the policy's value falls short of the reference's.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If no `reference` was given.
+    #[getter]
+    fn discounted_regrets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        referred(py, &self.evaluation.discounted_regrets)
+    }
+
     /// Mean and standard error over the batches of every outcome.
     ///
     /// Returns
@@ -89,7 +112,7 @@ impl PyEvaluation {
     /// dict
     ///     For each property above, a dict with the keys ``mean`` and ``standard_error`` (NaN for a single
     ///     batch). `expected_discounted_returns` is left out where it would be biased, bonuses where the
-    ///     model's `information_gain` is 0.
+    ///     model's `information_gain` is 0, regrets without a `reference`.
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let summary = PyDict::new(py);
         for (name, statistics) in self.evaluation.summary(self.drawn_from_model, self.with_bonuses) {
@@ -100,4 +123,14 @@ impl PyEvaluation {
         }
         Ok(summary)
     }
+}
+
+/// Outcomes that only a reference gives.
+fn referred<'py>(py: Python<'py>, regrets: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    if regrets.is_empty() {
+        return Err(ArgumentError::new_err(
+            "there are no regrets without a reference: evaluate with reference=beltsort.solve(model)",
+        ));
+    }
+    Ok(regrets.to_vec().into_pyarray(py))
 }

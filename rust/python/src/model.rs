@@ -7,6 +7,7 @@ use beltsort_core::{ModelSpec, SortingModel};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::convert::{self, Whole, count, read_only, scalar_or_matrix, tables};
 use crate::errors::to_python;
@@ -286,6 +287,43 @@ impl PySortingModel {
     fn with_positions(&self, positions: Whole) -> PyResult<Self> {
         let positions = count("positions", positions)?;
         Ok(Self(Arc::new(self.0.with_positions(positions).map_err(to_python)?)))
+    }
+
+    /// The same model with other settings.
+    ///
+    /// Parameters
+    /// ----------
+    /// **changes
+    ///     Parameters of the constructor.
+    ///
+    /// Returns
+    /// -------
+    /// SortingModel
+    ///     The changed model.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     For a parameter that the constructor does not have.
+    /// ModelError
+    ///     As the constructor.
+    ///
+    /// Examples
+    /// --------
+    /// >>> from beltsort.models import paper
+    /// >>> paper().replace(r_min=500).r_min
+    /// 500.0
+    #[pyo3(signature = (**changes))]
+    fn replace<'py>(
+        &self,
+        py: Python<'py>,
+        changes: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let settings = py.import("json")?.call_method1("loads", (self.to_json()?,))?.cast_into::<PyDict>()?;
+        if let Some(changes) = changes {
+            settings.update(changes.as_mapping())?;
+        }
+        py.get_type::<Self>().call((), Some(&settings))
     }
 
     fn __repr__(&self) -> String {

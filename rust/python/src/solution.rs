@@ -24,7 +24,7 @@ use crate::model::PySortingModel;
 /// finite-state controllers are (Hansen, UAI 1998).
 #[pyclass(frozen, name = "Solution", module = "beltsort")]
 pub struct PySolution {
-    pub solution: Solution,
+    pub solution: Arc<Solution>,
     model: Arc<SortingModel>,
 }
 
@@ -152,7 +152,7 @@ impl PySolution {
         let given = model.map(|model| &*model.0);
         let solution = py.detach(|| Solution::load(&path, given)).map_err(to_python)?;
         let model = Arc::new(solution.model().clone());
-        Ok(Self { solution, model })
+        Ok(Self { solution: Arc::new(solution), model })
     }
 
     fn __repr__(&self) -> String {
@@ -217,5 +217,6 @@ pub fn solve(
     if let Some(error) = raised.into_inner().ok().flatten() {
         return Err(error);
     }
-    Ok(PySolution { solution: solution.map_err(to_python)?, model: Arc::clone(&model.0) })
+    let solution = Arc::new(solution.map_err(to_python)?);
+    Ok(PySolution { solution, model: Arc::clone(&model.0) })
 }

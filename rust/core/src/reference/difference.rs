@@ -2,14 +2,30 @@
 
 use serde_json::Value;
 
-use crate::error::{Error, Result};
-use crate::model::ModelSpec;
+use super::Solution;
+use crate::error::{Error, Result, argument_error};
+use crate::model::{ModelSpec, SortingModel};
 
 /// Keys that no plan depends on.
 const REMARKS: [&str; 3] = ["note", "counts", "smoothing"];
 
+impl Solution {
+    /// Refuse a model that this is no solution of; remarks and label counts may differ.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] naming the first difference.
+    pub(crate) fn check_solves(&self, model: &SortingModel) -> Result<()> {
+        match first_difference(self.model.spec(), model.spec())? {
+            None => Ok(()),
+            Some(difference) => {
+                argument_error(format!("the solution is of another model: {difference}; solve this one"))
+            }
+        }
+    }
+}
+
 /// Where two models differ first, and how: `r_min: 50 in the solution, 5 in the model`.
-pub(super) fn first_difference(solved: &ModelSpec, given: &ModelSpec) -> Result<Option<String>> {
+fn first_difference(solved: &ModelSpec, given: &ModelSpec) -> Result<Option<String>> {
     let written = |spec: &ModelSpec| {
         let mut value = serde_json::to_value(spec)
             .map_err(|e| Error::Model(format!("the model cannot be written as JSON: {e}")))?;

@@ -12,7 +12,6 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::alpha::{AlphaVectors, joint_classes};
-use super::difference::first_difference;
 use super::upper::{GridBound, Resolution};
 use super::{LeafBounds, Solution};
 use crate::error::{Error, Result, argument_error};
@@ -66,12 +65,10 @@ impl Solution {
         let in_file = |reason: String| Error::Argument(format!("{}: {reason}", path.display()));
         let bytes = std::fs::read(path).map_err(|e| in_file(format!("the solution cannot be read: {e}")))?;
         let solution = Self::from_bytes(&bytes).map_err(|e| in_file(e.to_string()))?;
-        match model.map_or(Ok(None), |model| first_difference(solution.model.spec(), model.spec()))? {
-            None => Ok(solution),
-            Some(difference) => {
-                Err(in_file(format!("the solution is of another model: {difference}; solve this one")))
-            }
+        if let Some(model) = model {
+            solution.check_solves(model).map_err(|e| in_file(e.to_string()))?;
         }
+        Ok(solution)
     }
 
     fn to_bytes(&self) -> serde_json::Result<Vec<u8>> {

@@ -136,20 +136,32 @@ impl GridBound {
 
     /// The action that is best one exact step ahead of the bound, and its value: no more than the bound itself.
     pub(super) fn look_ahead(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> (Action, f64) {
+        let decide = Action::Decide(most_likely(&belief[..model.class_count()]).0);
+        let value = |action| (action, self.action_value(model, belief, viewpoint, action));
+        let moves = model.legal_moves(viewpoint).iter().map(|to| value(Action::Move(*to)));
+        moves.fold(value(decide), |best, next| if next.1 > best.1 { next } else { best })
+    }
+
+    /// Value of an action, one exact step ahead of the bound.
+    pub(super) fn action_value(
+        &self,
+        model: &SortingModel,
+        belief: &[f64],
+        viewpoint: usize,
+        action: Action,
+    ) -> f64 {
         let l = model.class_count();
-        let advanced = [&belief[l..], model.arrival().as_slice()].concat();
-        let (label, p_right) = most_likely(&belief[..l]);
-        let decided = model.decision_reward(p_right) + model.discount() * self.value(&advanced);
-        let mut best = (Action::Decide(label), decided);
-        for &to in model.legal_moves(viewpoint) {
-            let first = self.axis.observed(model, 0, to, &belief[..l]);
-            let second = self.behind(belief, |b| self.axis.observed(model, 1, to, b));
-            let value = -model.motion_cost(viewpoint, to) + model.discount() * self.mixture(&first, &second);
-            if value > best.1 {
-                best = (Action::Move(to), value);
+        match action {
+            Action::Decide(label) => {
+                let advanced = [&belief[l..], model.arrival().as_slice()].concat();
+                model.decision_reward(belief[label]) + model.discount() * self.value(&advanced)
+            }
+            Action::Move(to) => {
+                let first = self.axis.observed(model, 0, to, &belief[..l]);
+                let second = self.behind(belief, |b| self.axis.observed(model, 1, to, b));
+                model.discount() * self.mixture(&first, &second) - model.motion_cost(viewpoint, to)
             }
         }
-        best
     }
 
     fn behind(&self, belief: &[f64], combination: impl Fn(&[f64]) -> Combination) -> Combination {

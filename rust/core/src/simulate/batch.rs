@@ -70,6 +70,7 @@ impl<'a> Batch<'a> {
         for _ in 0..self.config.batch_size {
             loop {
                 let action = self.choose(policy)?;
+                self.book_regret(action)?;
                 match action {
                     Action::Move(to) => self.look_from(to)?,
                     Action::Decide(label) => {
@@ -148,6 +149,16 @@ impl<'a> Batch<'a> {
         self.arrive();
         self.belief.advance(self.model);
         self.given.clear();
+    }
+
+    /// Book what the action loses, before it is taken.
+    fn book_regret(&mut self, action: Action) -> Result<()> {
+        if let Some(reference) = &self.config.reference {
+            let regret = reference.regret(&self.belief, self.viewpoint, action)?;
+            *self.outcome.regret.get_or_insert_default() += regret;
+            *self.outcome.discounted_regret.get_or_insert_default() += self.discount * regret;
+        }
+        Ok(())
     }
 
     /// Book one step: its reward, what was expected of it, and its bonus.

@@ -19,6 +19,10 @@ pub struct Evaluation {
     pub bonuses: Vec<f64>,
     /// Sum of discounted bonuses.
     pub discounted_bonuses: Vec<f64>,
+    /// Sum of what the policy's actions lost, [`Solution::regret`](crate::Solution::regret); empty without a reference.
+    pub regrets: Vec<f64>,
+    /// Sum of discounted regrets; empty without a reference.
+    pub discounted_regrets: Vec<f64>,
 }
 
 /// What one batch brought; see [`Evaluation`].
@@ -32,6 +36,8 @@ pub(super) struct Outcome {
     pub(super) expected_discounted: f64,
     pub(super) bonus: f64,
     pub(super) discounted_bonus: f64,
+    pub(super) regret: Option<f64>,
+    pub(super) discounted_regret: Option<f64>,
 }
 
 /// Mean and standard error over batches.
@@ -64,12 +70,14 @@ impl Evaluation {
             evaluation.expected_discounted_returns.push(outcome.expected_discounted);
             evaluation.bonuses.push(outcome.bonus);
             evaluation.discounted_bonuses.push(outcome.discounted_bonus);
+            evaluation.regrets.extend(outcome.regret);
+            evaluation.discounted_regrets.extend(outcome.discounted_regret);
         }
         evaluation
     }
 
     /// Statistics of every outcome by name: `expected_discounted_returns` only if they are unbiased, bonuses only if
-    /// the model gives any.
+    /// the model gives any, regrets only against a reference.
     #[must_use]
     pub fn summary(
         &self,
@@ -90,6 +98,10 @@ impl Evaluation {
         if with_bonuses {
             summary.push(("bonuses", Statistics::of(&self.bonuses)));
             summary.push(("discounted_bonuses", Statistics::of(&self.discounted_bonuses)));
+        }
+        if !self.regrets.is_empty() {
+            summary.push(("regrets", Statistics::of(&self.regrets)));
+            summary.push(("discounted_regrets", Statistics::of(&self.discounted_regrets)));
         }
         summary
     }

@@ -13,6 +13,7 @@ fn config(batches: usize) -> EvaluationConfig {
         viewpoint: 0,
         true_classes: TrueClasses::Arrival,
         max_looks: 8,
+        reference: None,
     }
 }
 
