@@ -189,6 +189,7 @@ class Despot:
         trials: int | None = None,
         regularization: float | None = None,
         depth: int | None = None,
+        solution: Solution | None = None,
     ) -> Despot: ...
     @property
     def model(self) -> SortingModel: ...

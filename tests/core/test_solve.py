@@ -8,6 +8,7 @@ from beltsort import (
     ArgumentError,
     Belief,
     Decide,
+    Despot,
     Move,
     Solution,
     SortingModel,
@@ -114,3 +115,21 @@ def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
         Solution.load(path)
     with pytest.raises(ArgumentError, match="cannot be read"):
         Solution.load(tmp_path)
+
+
+def test_a_planner_that_knows_a_solution_plans_the_same_with_a_tighter_certificate(tmp_path: Path) -> None:
+    path = tmp_path / "paper.solution"
+    solve(PAPER, seconds=1).save(path)
+    belief = Belief(PAPER)
+    belief.observe(2, [1, 0])
+    alone = Despot(PAPER, trials=20).plan(belief, 2)
+    solution = Solution.load(path)
+    told = Despot(PAPER, trials=20, solution=solution).plan(belief, 2)
+    assert told.values == alone.values
+    assert (told.lower, told.upper, told.nodes) == (alone.lower, alone.upper, alone.nodes)
+    assert alone.certified_upper is not None
+    assert told.certified_upper is not None
+    assert told.certified_upper < alone.certified_upper
+    assert told.certified_upper <= solution.bounds(belief, 2)[1]
+    with pytest.raises(ArgumentError, match="r_min: 50 in the solution, 5 in the model"):
+        Despot(PAPER.replace(r_min=5), solution=solution)

@@ -39,7 +39,7 @@ use crate::bounds;
 use crate::error::Result;
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
-use crate::reference::CoarseBound;
+use crate::reference::{Certificate, Solution};
 use crate::scenario::Randoms;
 use crate::tree::{Node, Values, indices};
 
@@ -75,7 +75,7 @@ pub struct Despot {
     discounts: Vec<f64>,
     shortfall: Shortfall,
     /// For plans' certificates; the search has bounds of its own.
-    certificate: Option<Arc<CoarseBound>>,
+    certificate: Option<Certificate>,
     randoms: Arc<Randoms>,
     pool: Pool,
 }
@@ -88,12 +88,30 @@ impl Despot {
     /// depth 0, or so many label vectors (L^H) that they cannot be numbered.
     pub fn new(model: &SortingModel, config: DespotConfig) -> Result<Self> {
         config.check(model)?;
+        Ok(Self::prepared(model, OneObjectPolicy::solve(model), Certificate::coarse(model), config))
+    }
+
+    /// Prepare to plan with what a solution knows: at once, and with certificates as tight as its bounds.
+    ///
+    /// # Errors
+    /// As [`Despot::new`], and for the solution of another model.
+    pub fn with_solution(model: &SortingModel, solution: &Solution, config: DespotConfig) -> Result<Self> {
+        config.check(model)?;
+        solution.check_solves(model)?;
+        Ok(Self::prepared(model, solution.one_object().clone(), solution.certificate(), config))
+    }
+
+    fn prepared(
+        model: &SortingModel,
+        default_policy: OneObjectPolicy,
+        certificate: Option<Certificate>,
+        config: DespotConfig,
+    ) -> Self {
         let depth = config.depth_for(model);
-        let default_policy = OneObjectPolicy::solve(model);
         let power = |previous: &f64| Some(previous * model.discount());
-        Ok(Self {
+        Self {
             shortfall: Shortfall::fitted(model, &default_policy),
-            certificate: CoarseBound::new(model).map(Arc::new),
+            certificate,
             model: Arc::new(model.clone()),
             default_policy,
             depth,
@@ -101,7 +119,7 @@ impl Despot {
             randoms: Arc::new(Randoms::new(config.seed, config.scenarios, model.position_count(), depth)),
             config,
             pool: Pool::default(),
-        })
+        }
     }
 
     /// The model planned for.

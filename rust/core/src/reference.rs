@@ -21,6 +21,7 @@ mod upper;
 mod value_iteration;
 mod watch;
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -44,7 +45,7 @@ const SLACK: f64 = 1e-7;
 struct LeafBounds {
     policy: OneObjectPolicy,
     /// For models that [`upper`] is proved for.
-    grid: Option<GridBound>,
+    grid: Option<Arc<GridBound>>,
     /// Likewise; values of policies.
     alphas: Option<AlphaVectors>,
 }
@@ -95,7 +96,7 @@ impl Solution {
         let mut leaves = LeafBounds { policy, grid: None, alphas: None };
         let watch = Watch::new(time, stop, progress, leaves.bounds(model, &arrival, 0));
         if all_alike(model) {
-            leaves.grid = Some(stages::tightened_grid(model, &watch));
+            leaves.grid = Some(Arc::new(stages::tightened_grid(model, &watch)));
         }
         leaves.alphas = stages::searched(model, &leaves, &arrival, &watch);
         leaves.grid = leaves.grid.map(|grid| stages::thinned(model, grid));
@@ -149,6 +150,16 @@ impl Solution {
         Ok((best - grid.action_value(&self.model, belief, viewpoint, action)).max(0.0))
     }
 
+    /// The policy for one object after the other, which the solution starts from.
+    pub(crate) fn one_object(&self) -> &OneObjectPolicy {
+        &self.leaves.policy
+    }
+
+    /// The upper bound, where it is more than the closed form.
+    pub(crate) fn certificate(&self) -> Option<Certificate> {
+        self.leaves.grid.clone().map(Certificate)
+    }
+
     /// The model solved.
     #[must_use]
     pub fn model(&self) -> &SortingModel {
@@ -188,16 +199,16 @@ fn check(model: &SortingModel, time: Duration) -> Result<()> {
 /// Values times classes times moves of a bound that is ready at once.
 const MOST_AT_ONCE: f64 = 2e6;
 
-/// A certified upper bound of V* that is ready in a fraction of a second, and loose.
+/// A certified upper bound of V*, for the plans of others.
 #[derive(Debug, Clone)]
-pub(crate) struct CoarseBound(GridBound);
+pub(crate) struct Certificate(Arc<GridBound>);
 
-impl CoarseBound {
-    /// For models that [`upper`] has a proof for.
-    pub(crate) fn new(model: &SortingModel) -> Option<Self> {
+impl Certificate {
+    /// One that is ready in a fraction of a second, and loose; for models that [`upper`] has a proof for.
+    pub(crate) fn coarse(model: &SortingModel) -> Option<Self> {
         let moves = model.legal_moves(0).len().max(1) as f64;
         let grid = || stages::coarse_grid(model, MOST_AT_ONCE / moves, || false);
-        (model.check_plain().is_ok() && all_alike(model)).then(|| Self(grid()))
+        (model.check_plain().is_ok() && all_alike(model)).then(|| Self(Arc::new(grid())))
     }
 
     /// The bound at a belief, one exact step ahead.

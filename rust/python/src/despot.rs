@@ -15,6 +15,7 @@ use crate::errors::to_python;
 use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
 use crate::plan::PyPlan;
+use crate::solution::PySolution;
 
 /// The DESPOT planner: an anytime search in a tree of beliefs, determinised by scenarios.
 ///
@@ -40,8 +41,7 @@ use crate::plan::PyPlan;
 /// seed : int
 ///     Seed of the scenarios.
 /// threads : int, optional
-///     Threads that share the work of a plan: the leaves of a batch, which are 32. All cores if missing; more
-///     than there are cores gain nothing.
+///     Threads that share the work of a plan. All cores if missing; more than there are cores gain nothing.
 /// seconds : float, optional
 ///     Wall-clock budget of a plan in seconds, 0.01 if neither budget is given.
 /// trials : int, optional
@@ -51,11 +51,15 @@ use crate::plan::PyPlan;
 ///     and nothing but the default policy is worth its nodes.
 /// depth : int, optional
 ///     Planner steps to look ahead; if missing, as many as the discount leaves 1 % of a reward after.
+/// solution : Solution, optional
+///     A solution of the model: the planner is ready at once and gives the same plans, with a
+///     `certified_upper` as tight as the solution's own.
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     For a count or budget of 0 or below, both budgets, a negative regularisation, or an L^H above 2^64.
+///     For a count or budget of 0 or below, both budgets, a negative regularisation, an L^H above 2^64, or
+///     the solution of another model.
 ///
 /// References
 /// ----------
@@ -102,7 +106,7 @@ impl PyDespot {
 impl PyDespot {
     #[new]
     #[pyo3(signature = (model, *, scenarios=500, seed=0, threads=None, seconds=None, trials=None,
-                        regularization=None, depth=None))]
+                        regularization=None, depth=None, solution=None))]
     #[allow(clippy::too_many_arguments)] // the public contract
     fn new(
         py: Python<'_>,
@@ -114,6 +118,7 @@ impl PyDespot {
         trials: Option<Whole>,
         regularization: Option<f64>,
         depth: Option<Whole>,
+        solution: Option<&PySolution>,
     ) -> PyResult<Self> {
         let config = DespotConfig {
             scenarios: count("scenarios", scenarios)?,
@@ -122,7 +127,11 @@ impl PyDespot {
             depth: depth.map(|d| count("depth", d)).transpose()?,
         };
         let budget = budget(seconds, trials)?.unwrap_or(budget::DEFAULT);
-        let despot = py.detach(|| Despot::new(&model.0, config)).map_err(to_python)?;
+        let prepare = || match solution {
+            Some(solution) => Despot::with_solution(&model.0, &solution.solution, config),
+            None => Despot::new(&model.0, config),
+        };
+        let despot = py.detach(prepare).map_err(to_python)?;
         Ok(Self {
             planner: BudgetedDespot { despot, budget },
             model: Arc::clone(&model.0),

@@ -83,7 +83,7 @@ impl<'a> BeliefGraph<'a> {
         let mut graph = Self {
             model,
             leaves,
-            objects: Objects::new(model, leaves.grid.as_ref()),
+            objects: Objects::new(model, leaves.grid.as_deref()),
             places: Vec::new(),
             upper: Vec::new(),
             first_arm: Vec::new(),

@@ -6,6 +6,7 @@
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use nalgebra::DMatrix;
@@ -72,7 +73,7 @@ impl Solution {
     }
 
     fn to_bytes(&self) -> serde_json::Result<Vec<u8>> {
-        let (grid, alphas) = (self.leaves.grid.as_ref(), self.leaves.alphas.as_ref());
+        let (grid, alphas) = (self.leaves.grid.as_deref(), self.leaves.alphas.as_ref());
         let header = Header {
             model: self.model.spec().clone(),
             lower: self.lower,
@@ -103,7 +104,8 @@ impl Solution {
         let (rows, one_object) =
             numbers.split_at_checked(8 * header.policies * states).ok_or_else(contradicted)?;
         let values = || values.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
-        let grid = header.grid.map(|resolution| GridBound::with_values(&model, resolution, values()));
+        let grid =
+            header.grid.map(|resolution| Arc::new(GridBound::with_values(&model, resolution, values())));
         let rows = || DMatrix::from_row_iterator(header.policies, states, numbers_in(rows));
         let alphas = grid.is_some().then(|| AlphaVectors(rows()));
         let one_object: Vec<_> = numbers_in(one_object).collect();

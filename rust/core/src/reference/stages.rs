@@ -1,5 +1,6 @@
 //! The stages of the solver: what is done, in which part of the time.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::LeafBounds;
@@ -89,12 +90,12 @@ pub(super) fn coarse_grid(model: &SortingModel, most_values: f64, stop: impl Fn(
 }
 
 /// The bound on a grid of a size to keep.
-pub(super) fn thinned(model: &SortingModel, grid: GridBound) -> GridBound {
+pub(super) fn thinned(model: &SortingModel, grid: Arc<GridBound>) -> Arc<GridBound> {
     let mut kept = grid.resolution;
     while kept.values(model) as f64 > MOST_KEPT {
         kept.intervals -= 1;
     }
-    if kept == grid.resolution { grid } else { grid.refined(model, kept) }
+    if kept == grid.resolution { grid } else { Arc::new(grid.refined(model, kept)) }
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a small whole number

@@ -118,7 +118,8 @@ fn with_searched<T>(
     let arrival = Belief::new(model).as_slice().to_vec();
     let mut grid = GridBound::new(model, stages::resolution(8.0, 0.6));
     grid.improve(model, 1e-3, || false);
-    let leaves = LeafBounds { policy: OneObjectPolicy::solve(model), grid: Some(grid), alphas: None };
+    let leaves =
+        LeafBounds { policy: OneObjectPolicy::solve(model), grid: Some(Arc::new(grid)), alphas: None };
     let mut graph = BeliefGraph::new(model, &leaves, &arrival, 0);
     for _ in 0..rounds {
         Reach::new(&graph, model.discount()).grow(&mut graph, || false);
