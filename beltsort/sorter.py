@@ -114,7 +114,7 @@ class _Loop:
         )
         self.journal.object = self.index
         with self.journal.command("move", viewpoint=self.viewpoint) as command_id:
-            self.cell.move_to(self.viewpoint, command_id)
+            self.cell.arm.move_to(self.viewpoint, command_id)
 
     def step(self) -> None:
         """Skip an empty place, decide where a rule says so, or do what the policy names."""
@@ -183,7 +183,7 @@ class _Loop:
     def look_from(self, viewpoint: int) -> None:
         """Move and observe."""
         with self.journal.command("move", viewpoint=viewpoint) as command_id:
-            arrival = self.cell.move_to(viewpoint, command_id)
+            arrival = self.cell.arm.move_to(viewpoint, command_id)
         self.viewpoint = viewpoint
         self.steps += 1
         self.observe(arrival)
@@ -228,7 +228,7 @@ class _Loop:
     def scan(self, arrival: float) -> Sequence[PerceivedPosition]:
         """Take a scan that perception can use."""
         for _ in range(self.rules.scan_attempts):
-            scan = self.cell.scan(not_before=arrival)
+            scan = self.cell.camera.scan(not_before=arrival)
             try:
                 return self.perceive(scan)
             except CloudError as reason:
@@ -247,7 +247,7 @@ class _Loop:
             return
         bin_label = self.cell.reject_bin if rejected and self.cell.reject_bin is not None else label
         with self.journal.command("sort", label=bin_label) as command_id:
-            self.cell.sort(bin_label, command_id)
+            self.cell.sorter.sort(bin_label, command_id)
         probability = float(self.belief.probabilities[0, label])
         decided = None if rejected else label
         decision = Decision(self.index, decided, probability, self.visible[0].looks, forced)
@@ -266,7 +266,7 @@ class _Loop:
     def advance(self) -> None:
         """Bring the next object to the belt end, and observe if the model says so."""
         with self.journal.command("advance", index=self.index + 1) as command_id:
-            stopped = self.cell.advance_to(self.index + 1, command_id)
+            stopped = self.cell.belt.advance_to(self.index + 1, command_id)
         self.index += 1
         self.journal.object = self.index
         self.belief.advance()

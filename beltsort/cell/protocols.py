@@ -1,13 +1,25 @@
 """What a robot cell is: an arm that carries a depth camera, a belt, and a sorter.
 
-Every call blocks until the act is done. A command carries an id, unique in a run; repeating a command with
-the same id acts only once. Belt targets are absolute: "object n at the belt end", never "one step further".
+The rules that every device keeps, so that nothing is lost or done twice:
+
+* A call blocks until the act is done, and no longer than its `timeout` (seconds). Then, or when the act
+  fails, it raises a `CommandError` that says the outcome: done, not done, or unknown.
+* An actuator's command carries an id, unique for the device; repeating it acts only once. `outcome_of` tells
+  what became of it, also after the connection or this program was restarted.
+* Targets are absolute: "object n at the belt end", never "one step further".
+* A scan is younger than the stop of everything that moves.
+* A device whose controller was restarted has another `boot_id`: what it no longer remembers is unknown, not
+  undone.
+
+The emergency stop belongs to hardware. Software only reports it (`Health.emergency_stop`,
+`EmergencyStopError`) and aborts.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from beltsort.cell.commands import TIMEOUT, Outcome
 from beltsort.geometry import BeltLayout, Points, Pose
 
 
@@ -34,39 +46,97 @@ class Scan:
     frame: str = "camera"
 
 
-class Arm(Protocol):
+@dataclass(frozen=True)
+class Health:
+    """What a device says of itself.
+
+    Attributes
+    ----------
+    ready
+        Whether it takes commands.
+    boot_id
+        Changes when its controller restarts.
+    fault
+        Why it is not ready, in words; empty if it is.
+    emergency_stop
+        Whether the emergency stop is pressed.
+    """
+
+    ready: bool
+    boot_id: str
+    fault: str = ""
+    emergency_stop: bool = False
+
+
+class Device(Protocol):
+    """What every device can do."""
+
+    def health(self) -> Health:
+        """Say how it is. Raises `CommandError` if it cannot be reached."""
+
+    def stop(self) -> None:
+        """End every motion now, whatever becomes of its command. May be called from any thread."""
+
+
+class Actuator(Device, Protocol):
+    """A device that acts on commands."""
+
+    def outcome_of(self, command_id: str) -> Outcome:
+        """Tell what became of a command; `NOT_DONE` for one that never arrived.
+
+        `UNKNOWN` if the device has forgotten what it did, after a restart for example.
+        """
+
+
+class Arm(Actuator, Protocol):
     """Carries the camera."""
 
-    def move_to(self, viewpoint: int, command_id: str) -> float:
+    def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Bring the camera to `viewpoint`; return the time of its stop, seconds on the cell's clock."""
 
 
-class DepthCamera(Protocol):
+class DepthCamera(Device, Protocol):
     """Takes scans."""
 
-    def scan(self, *, not_before: float) -> Scan:
+    def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         """Return a scan whose exposure began at or after `not_before` (seconds on the cell's clock)."""
 
 
-class Belt(Protocol):
+class Belt(Actuator, Protocol):
     """Carries the objects."""
 
-    def advance_to(self, index: int, command_id: str) -> float:
+    def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Bring object number `index` of the run to the belt end; return the time of its stop there.
 
         Seconds on the cell's clock.
         """
 
 
-class Sorter(Protocol):
+class Sorter(Actuator, Protocol):
     """Puts the object at the belt end into a bin."""
 
-    def sort(self, label: int, command_id: str) -> None:
+    def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`."""
 
 
-class Cell(Arm, DepthCamera, Belt, Sorter, Protocol):
-    """Arm, camera, belt and bins as one."""
+class Cell(Protocol):
+    """Arm, camera, belt and bins, and what they are set to. A device may be several of them at once."""
+
+    @property
+    def arm(self) -> Arm:
+        """Carries the camera."""
+
+    @property
+    def camera(self) -> DepthCamera:
+        """Takes scans."""
+
+    @property
+    def belt(self) -> Belt:
+        """Carries the objects."""
+
+    @property
+    def sorter(self) -> Sorter:
+        """Puts objects into bins."""
 
     @property
     def classes(self) -> Sequence[str]:

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Self, TypeAlias
 
 import numpy as np
 
 import beltsort
-from beltsort.cell.protocols import Scan
+from beltsort.cell.commands import TIMEOUT, Outcome
+from beltsort.cell.protocols import Health, Scan
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
 
@@ -48,25 +49,40 @@ class ScriptedCell:
     def layout(self) -> BeltLayout:
         return BeltLayout(positions=self.model.positions)
 
+    @property
+    def arm(self) -> Self:
+        return self
+
+    camera = belt = sorter = arm
+
+    def health(self) -> Health:
+        return Health(ready=True, boot_id="scripted")
+
+    def stop(self) -> None:
+        self.acts.append(("stop", 0))
+
+    def outcome_of(self, command_id: str) -> Outcome:
+        return Outcome.DONE if command_id in self.command_ids else Outcome.NOT_DONE
+
     def _act(self, name: str, target: int, command_id: str) -> None:
         if len(self.acts) == self.interrupt_at:
             raise KeyboardInterrupt
         self.acts.append((name, target))
         self.command_ids.append(command_id)
 
-    def move_to(self, viewpoint: int, command_id: str) -> float:
+    def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         self._act("move", viewpoint, command_id)
         self.viewpoint = viewpoint
         return float(len(self.acts))
 
-    def scan(self, *, not_before: float) -> Scan:
+    def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         self.stamps.append(not_before)
         return Scan(np.zeros((1, 3)), np.eye(4), stamp=not_before)
 
-    def sort(self, label: int, command_id: str) -> None:
+    def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         self._act("sort", label, command_id)
 
-    def advance_to(self, index: int, command_id: str) -> float:
+    def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         self._act("advance", index, command_id)
         self.first = index
         return float(len(self.acts))

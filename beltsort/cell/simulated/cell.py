@@ -1,10 +1,12 @@
 """The simulated cell: the same Protocols as real hardware, on a simulated clock."""
 
 from collections.abc import Callable, Sequence
+from typing import Self
 
 import numpy as np
 
-from beltsort.cell.protocols import Scan
+from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
+from beltsort.cell.protocols import Health, Scan
 from beltsort.cell.simulated.config import CellConfig
 from beltsort.cell.simulated.noise import noisy_depth
 from beltsort.cell.simulated.randomness import generator
@@ -87,25 +89,57 @@ class SimulatedCell:
         """The bin for undecided objects, or None if the cell has none."""
         return self._config.reject_bin
 
-    def move_to(self, viewpoint: int, command_id: str) -> float:
+    @property
+    def arm(self) -> Self:
+        """The cell itself."""
+        return self
+
+    @property
+    def camera(self) -> Self:
+        """The cell itself."""
+        return self
+
+    @property
+    def belt(self) -> Self:
+        """The cell itself."""
+        return self
+
+    @property
+    def sorter(self) -> Self:
+        """The cell itself."""
+        return self
+
+    def health(self) -> Health:
+        """Say that all is well."""
+        return Health(ready=True, boot_id="simulated")
+
+    def stop(self) -> None:
+        """Do nothing: simulated motions take no time between calls."""
+
+    def outcome_of(self, command_id: str) -> Outcome:
+        """Tell whether a command was carried out."""
+        return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
+
+    def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Bring the camera to `viewpoint`; return the time of its stop, seconds on the cell's clock."""
         if not 0 <= viewpoint < len(self.viewpoints):
-            raise CellError(
+            raise CommandError(
                 f"viewpoint is {viewpoint}, expected an index from 0 to {len(self.viewpoints) - 1} "
-                f"({', '.join(self.viewpoints)})"
+                f"({', '.join(self.viewpoints)})",
+                Outcome.NOT_DONE,
             )
 
         def move() -> None:
+            self._pass("the move", self._config.move_seconds, timeout)
             self._viewpoint = viewpoint
-            self.clock += self._config.move_seconds
 
         return self._once(("move_to", viewpoint), command_id, move)
 
-    def scan(self, *, not_before: float) -> Scan:
+    def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         """Return a scan whose exposure began at or after `not_before` (seconds on the cell's clock)."""
         if not np.isfinite(not_before):
             raise CellError(f"not_before is {not_before}, expected a time on the cell's clock; give a number")
-        self.clock = max(self.clock, not_before)
+        self._pass("waiting for the scan", max(0.0, not_before - self.clock), timeout)
         stamp = self.clock
         rng = generator(self._seed, SCAN_STREAM, self._world.first, self._looks)
         self._looks += 1
@@ -125,26 +159,28 @@ class SimulatedCell:
         window[...] = camera.deproject(depth, view.top, view.left)
         return points
 
-    def sort(self, label: int, command_id: str) -> None:
+    def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`.
 
         From an empty cup nothing reaches a bin.
         """
         if not 0 <= label < len(self.classes) and label != self.reject_bin:
-            raise CellError(
+            raise CommandError(
                 f"label is {label}, expected a bin from 0 to {len(self.classes) - 1} "
-                f"({', '.join(self.classes)}) or the reject bin ({self.reject_bin})"
+                f"({', '.join(self.classes)}) or the reject bin ({self.reject_bin})",
+                Outcome.NOT_DONE,
             )
 
         def sort() -> None:
+            self._world.check_untaken()
+            self._pass("the sort", self._config.sort_seconds, timeout)
             number = self._world.first
             if self._world.take():
                 self.bins.append((number, label))
-            self.clock += self._config.sort_seconds
 
         self._once(("sort", label), command_id, sort)
 
-    def advance_to(self, index: int, command_id: str) -> float:
+    def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Bring object number `index` of the run to the belt end; return the time of its stop there.
 
         Seconds on the cell's clock. Objects that pass the belt end unsorted fall off. The index just behind
@@ -152,10 +188,11 @@ class SimulatedCell:
         """
 
         def advance() -> None:
-            steps = self._world.advance_to(index)
+            steps = self._world.steps_to(index)
+            self._pass("the advance", self._config.advance_seconds * steps, timeout)
             if steps > 0:
+                self._world.advance_to(index)
                 self._looks = 0
-            self.clock += self._config.advance_seconds * steps
 
         return self._once(("advance_to", index), command_id, advance)
 
@@ -166,8 +203,18 @@ class SimulatedCell:
             self._done[command_id] = (command, self.clock)
         earlier, time = self._done[command_id]
         if earlier != command:
-            raise CellError(
+            raise CommandError(
                 f"command id {command_id!r} belongs to {earlier[0]}({earlier[1]}), expected the same command "
-                f"again, got {command[0]}({command[1]}); give every command its own id"
+                f"again, got {command[0]}({command[1]}); give every command its own id",
+                Outcome.NOT_DONE,
             )
         return time
+
+    def _pass(self, what: str, seconds: float, timeout: float) -> None:
+        """Let simulated time pass, unless that is more than the caller waits for."""
+        if seconds > timeout:
+            raise CommandError(
+                f"{what} takes {seconds:g} s, more than the timeout of {timeout:g} s; wait longer",
+                Outcome.NOT_DONE,
+            )
+        self.clock += seconds

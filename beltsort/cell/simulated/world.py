@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from beltsort.cell.commands import CommandError, Outcome
 from beltsort.cell.simulated.bulbs import bulb
 from beltsort.cell.simulated.config import CellConfig
 from beltsort.cell.simulated.objects import cup_mesh, draw_object
@@ -47,27 +48,34 @@ class World:
         self._taken = False
         self.first = 0
 
+    def check_untaken(self) -> None:
+        """Refuse to sort an object twice."""
+        if self._taken:
+            raise CommandError(
+                f"object {self.first} was sorted already, expected one sort per object; "
+                f"call advance_to({self.first + 1}, ...) first",
+                Outcome.NOT_DONE,
+            )
+
     def take(self) -> bool:
         """Take the object off the belt end; return whether there was one in the cup."""
-        if self._taken:
-            raise CellError(
-                f"object {self.first} was sorted already, expected one sort per object; "
-                f"call advance_to({self.first + 1}, ...) first"
-            )
         self._taken, self._scene = True, None
         return self._label(self.first) is not None
 
-    def advance_to(self, index: int) -> int:
-        """Bring object `index` to the belt end; return by how many positions the belt moved."""
+    def steps_to(self, index: int) -> int:
+        """Return by how many positions the belt has to move for object `index` to reach the belt end."""
         steps = index - self.first
         if steps < 0 or index > len(self._labels):
-            raise CellError(
+            raise CommandError(
                 f"index is {index}, expected {self.first} (now at the belt end) to {len(self._labels)} "
-                "(behind the last object); the belt moves forward only"
+                "(behind the last object); the belt moves forward only",
+                Outcome.NOT_DONE,
             )
-        if steps > 0:
-            self.first, self._taken, self._scene = index, False, None
         return steps
+
+    def advance_to(self, index: int) -> None:
+        """Bring another object to the belt end."""
+        self.first, self._taken, self._scene = index, False, None
 
     def scene(self) -> Scene:
         """Return what the camera can see now; it is kept until the belt moves or an object is taken."""
