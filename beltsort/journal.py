@@ -1,14 +1,17 @@
 """The durable record of a run.
 
-An append-only list of entries in one SQLite file. Every entry is on the disk before the call that wrote it
-returns (WAL, synchronous=FULL), so that what the cell did can be told after any crash: an *intent* without
-its *outcome* is the one command whose fate is unknown.
+An append-only list of entries in SQLite files. Every entry is on the disk before the call that wrote it
+returns (WAL, synchronous=FULL), so that what the cell did can be told after any crash: an *intent* without an
+*outcome* is the one command whose fate is unknown.
+
+A long run is kept in several files, of which the oldest are dropped: `journal.sqlite` is being written, the
+full ones beside it are numbered (`journal-0001.sqlite`).
 """
 
 import json
 import sqlite3
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,7 +20,7 @@ from typing import Any, Self
 
 from beltsort.errors import JournalError
 
-VERSION = 1
+VERSION = 2
 SCHEMA = """
 CREATE TABLE entries (
     number INTEGER PRIMARY KEY,
@@ -40,7 +43,8 @@ class Entry:
     time
         UTC, ISO 8601.
     kind
-        `start`, `plan`, `intent`, `outcome`, `scan`, `bad_scan`, `decision`, `skip` or `end`.
+        `start`, `state`, `plan`, `intent`, `outcome`, `scan`, `bad_scan`, `decision`, `skip`, `resume`,
+        `snapshot` or `end`.
     object
         Number of the object at the belt end; None before the first.
     data
@@ -58,34 +62,45 @@ Listener = Callable[[Entry], None]
 
 
 class Journal:
-    """Writes a run's entries to a new file.
+    """Writes a run's entries.
 
     Parameters
     ----------
     path
-        The SQLite file; it must not exist yet.
+        The SQLite file; it must not exist yet, unless the run is resumed.
     listener
         Called with every entry after it has been written.
+    resume
+        Go on with a journal that exists.
+    largest
+        Size at which a file is full, bytes.
+    keep
+        Number of full files that are kept.
 
     Raises
     ------
     JournalError
-        If the file exists already or cannot be written.
+        If the file exists already, or does not and should, or cannot be written.
     """
 
-    def __init__(self, path: Path, listener: Listener | None = None) -> None:
-        if path.exists():
+    def __init__(
+        self,
+        path: Path,
+        listener: Listener | None = None,
+        *,
+        resume: bool = False,
+        largest: int = 100_000_000,
+        keep: int = 9,
+    ) -> None:
+        if path.exists() and not resume:
             raise JournalError(f"{path} exists already; a run never overwrites another: name a new file")
+        last = read_journal(path)[-1] if resume else None
         self.path = path
-        self.object: int | None = None
+        self.object: int | None = None if last is None else last.object
         self._listener = listener
-        self._commands = 0
-        with self._failing_as("made"):
-            self._database = sqlite3.connect(path, isolation_level=None)
-            self._database.execute("PRAGMA journal_mode=WAL")
-            self._database.execute("PRAGMA synchronous=FULL")
-            self._database.execute(SCHEMA)
-            self._database.execute(f"PRAGMA user_version={VERSION}")
+        self._largest, self._keep = largest, keep
+        self._before = 0 if last is None else last.number  # number of the last entry of the full files
+        self._database = self._opened()
 
     def append(self, kind: str, **data: Any) -> Entry:
         """Write one entry; it is on the disk when this returns."""
@@ -93,29 +108,42 @@ class Journal:
         with self._failing_as("written"):
             # SQLite numbers the entries: an interrupt cannot part its count from what is written.
             cursor = self._database.execute(
-                "INSERT INTO entries (time, kind, object, data) VALUES (?, ?, ?, ?)",
-                (time, kind, self.object, json.dumps(data)),
+                "INSERT INTO entries SELECT coalesce(max(number), ?) + 1, ?, ?, ?, ? FROM entries",
+                (self._before, time, kind, self.object, json.dumps(data)),
             )
         entry = Entry(int(cursor.lastrowid or 0), time, kind, self.object, data)
         if self._listener:
             self._listener(entry)
         return entry
 
-    @contextmanager
-    def command(self, name: str, **target: Any) -> Iterator[str]:
-        """Frame an actuator command by its intent and its outcome; the value is the command's id.
+    @property
+    def full(self) -> bool:
+        """Whether the file being written is to be followed by another."""
+        (pages,), (bytes_per_page,) = (
+            self._database.execute(f"PRAGMA {what}").fetchone() for what in ("page_count", "page_size")
+        )
+        return int(pages) * int(bytes_per_page) > self._largest
 
-        The id is unique in the run; whoever repeats the command repeats the id.
+    def rotate(self, **snapshot: Any) -> None:
+        """Begin a new file, and drop the oldest.
+
+        Parameters
+        ----------
+        **snapshot
+            What the new file begins with: all that is needed to go on without the old ones.
         """
-        self._commands += 1
-        command_id = f"{name}-{self._commands}"
-        self.append("intent", command_id=command_id, command=name, **target)
-        try:
-            yield command_id
-        except BaseException as failure:
-            self.append("outcome", command_id=command_id, done=False, error=repr(failure))
-            raise
-        self.append("outcome", command_id=command_id, done=True)
+        (number,) = self._database.execute("SELECT max(number) FROM entries").fetchone()
+        full = _full_files(self.path)
+        with self._failing_as("rotated"):
+            self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._database.close()
+            latest = int(full[-1].stem.rpartition("-")[2]) if full else 0
+            self.path.rename(_full_file(self.path, latest + 1))
+            self._before = int(number)
+            self._database = self._opened()
+            self.append("snapshot", **snapshot)
+            for old in full[: max(0, len(full) + 1 - self._keep)]:
+                old.unlink()
 
     def close(self) -> None:
         """Close the file; everything appended is in it."""
@@ -131,11 +159,24 @@ class Journal:
         """Close the file."""
         self.close()
 
+    def _opened(self) -> sqlite3.Connection:
+        """Open the file, and make it if need be."""
+        with self._failing_as("made"):
+            database = sqlite3.connect(self.path, isolation_level=None)
+            database.execute("PRAGMA journal_mode=WAL")
+            database.execute("PRAGMA synchronous=FULL")
+            if database.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
+                database.execute("BEGIN")
+                database.execute(SCHEMA)
+                database.execute(f"PRAGMA user_version={VERSION}")
+                database.execute("COMMIT")
+        return database
+
     @contextmanager
     def _failing_as(self, what: str) -> Iterator[None]:
         try:
             yield
-        except sqlite3.Error as reason:
+        except (sqlite3.Error, OSError) as reason:
             raise JournalError(
                 f"the journal {self.path} cannot be {what}: {reason}; check that its folder exists and is "
                 "writable and that the disk is not full"
@@ -143,24 +184,45 @@ class Journal:
 
 
 def read_journal(path: Path) -> list[Entry]:
-    """Return all entries of a journal, also of one that is still being written.
+    """Return all entries of a journal that are still kept, also of one that is being written.
+
+    Parameters
+    ----------
+    path
+        The journal.sqlite of a run folder; the numbered files beside it are read too.
 
     Raises
     ------
     JournalError
-        If the file is missing, damaged, or no journal of this version.
+        If the file is missing, damaged, empty, or no journal of this version.
     """
-    if not path.is_file():
+    files = [file for file in (*_full_files(path), path) if file.is_file()]
+    if not files:
         raise JournalError(f"{path} does not exist; name the journal.sqlite of a run folder")
+    entries = [entry for file in files for entry in _read_file(file)]
+    if not entries:
+        raise JournalError(f"{path} has no entries: the run was killed before it began; start it anew")
+    return entries
+
+
+def _read_file(file: Path) -> list[Entry]:
     try:
-        database = sqlite3.connect(path)
-        try:
+        with closing(sqlite3.connect(file)) as database:
             (version,) = database.execute("PRAGMA user_version").fetchone()
+            if version == 0 and database.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
+                return []
             if version != VERSION:
-                raise JournalError(f"{path} is no journal of version {VERSION} (found {version})")
+                raise JournalError(f"{file} is no journal of version {VERSION} (found {version})")
             rows = database.execute("SELECT * FROM entries ORDER BY number").fetchall()
-        finally:
-            database.close()
         return [Entry(number, time, kind, obj, json.loads(data)) for number, time, kind, obj, data in rows]
     except (sqlite3.Error, ValueError) as reason:
-        raise JournalError(f"{path} cannot be read as a journal: {reason}") from reason
+        raise JournalError(f"{file} cannot be read as a journal: {reason}") from reason
+
+
+def _full_files(path: Path) -> list[Path]:
+    """Return the full files beside the one being written, oldest first."""
+    return sorted(path.parent.glob(f"{path.stem}-[0-9][0-9][0-9][0-9]{path.suffix}"))
+
+
+def _full_file(path: Path, number: int) -> Path:
+    return path.with_name(f"{path.stem}-{number:04}{path.suffix}")

@@ -19,12 +19,25 @@ class Rules:
         So many labels in a row that the belief holds impossible are treated like `max_looks`.
     scan_attempts
         Unusable scans in a row after which the camera is taken to be broken.
+    command_attempts
+        Times that one command is sent before the run is held.
     """
 
     max_looks: int = 60
     empty_looks: int = 2
     impossible_labels: int = 3
     scan_attempts: int = 3
+    command_attempts: int = 3
+
+
+@dataclass(frozen=True)
+class Timeouts:
+    """How long each act of the cell may take, seconds."""
+
+    move: float = 30.0
+    scan: float = 10.0
+    sort: float = 30.0
+    advance: float = 30.0
 
 
 @dataclass

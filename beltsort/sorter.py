@@ -1,39 +1,22 @@
 """The loop: scan -> perceive -> belief -> plan -> act -> journal."""
 
-from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any
+from uuid import uuid4
 
 import beltsort
-from beltsort._core import (
-    Belief,
-    Decide,
-    Despot,
-    ImpossibleObservationError,
-    Move,
-    PolicyError,
-    SortingModel,
-)
-from beltsort.cell.protocols import Cell, Scan
-from beltsort.errors import CellError, CloudError
+from beltsort._core import Decide, Despot, Move, PolicyError, SortingModel
+from beltsort.cell import Cell, EmergencyStopError
+from beltsort.commander import Commander, Operator, nobody
+from beltsort.errors import CellError
 from beltsort.journal import Journal
+from beltsort.observing import Observer, Perceive, PerceivedPosition
 from beltsort.policy import Policy
-from beltsort.report import Decision, SortingReport
-from beltsort.rules import Rules, Seen
+from beltsort.progress import Owed, Progress
+from beltsort.record import Record, progress_in
+from beltsort.report import SortingReport
+from beltsort.rules import Rules, Timeouts
 
-
-class PerceivedPosition(Protocol):
-    """What the loop needs to know of one belt position after a scan."""
-
-    @property
-    def label(self) -> int | None:
-        """Class index, or None if what was seen got no label."""
-
-    @property
-    def empty(self) -> bool:
-        """Whether nothing was seen there."""
-
-
-Perceive = Callable[[Scan], Sequence[PerceivedPosition]]
+__all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
 
 
 def sort_objects(
@@ -45,6 +28,8 @@ def sort_objects(
     *,
     objects: int,
     rules: Rules | None = None,
+    timeouts: Timeouts | None = None,
+    operator: Operator = nobody,
 ) -> SortingReport:
     """Sort the next objects of the belt, journalling every step.
 
@@ -60,31 +45,75 @@ def sort_objects(
     model
         Updates the belief.
     journal
-        An open journal. Its last entry is `end`, also after an error or an interrupt.
+        An open journal without entries. Its last entry is `end`, also after an error or an interrupt; after a
+        kill or a power cut there is none.
     objects
         Belt places to work through, object 0 standing at the belt end now. An empty one is skipped: when
         `Rules.empty_looks` says so or, if the model has a class for empty cups, when that is decided.
-    rules
-        Limits; default `Rules()`.
+    rules, timeouts
+        Limits; default `Rules()` and `Timeouts()`.
+    operator
+        Asked what became of a command where no device can tell; by default the run ends as held.
 
     Raises
     ------
     CellError
-        If cell and model do not fit, or the camera gives no usable scan.
+        If cell and model do not fit, the camera gives no usable scan, or a command cannot be carried out;
+        `resume_sorting` goes on once that is mended.
+    HeldError
+        If a person must tell what became of a command.
     BeltsortError
         Whatever else the cell, perception or the policy raise.
     """
-    _check_fit(cell, model)
-    loop = _Loop(cell, perceive, policy, model, journal, rules or Rules())
-    try:
-        loop.start(objects)
-        while loop.index < objects:
-            loop.step()
-    except BaseException as failure:
-        journal.append("end", reason=repr(failure))
-        raise
-    journal.append("end", reason="done")
-    return SortingReport(loop.steps, tuple(loop.decisions), tuple(loop.skipped))
+    record = Record(journal, Progress.at_start(model))
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator)
+    return loop.run(
+        "start",
+        run=uuid4().hex[:8],
+        objects=objects,
+        model=model.to_json(),
+        beltsort=beltsort.__version__,
+    )
+
+
+def resume_sorting(
+    cell: Cell,
+    perceive: Perceive,
+    policy: Policy,
+    journal: Journal,
+    *,
+    rules: Rules | None = None,
+    timeouts: Timeouts | None = None,
+    operator: Operator = nobody,
+) -> SortingReport:
+    """Go on with a run that was broken off, wherever that was.
+
+    The belief is exactly the one that the run had. A command whose outcome was not written down is settled
+    first: a sort is repeated only if its device says that it was not done. The camera is brought back to
+    where it stood, which counts as no step.
+
+    Parameters
+    ----------
+    cell, perceive, policy, rules, timeouts, operator
+        As in `sort_objects`; the same as before, if the decisions are to be the same.
+    journal
+        The run's journal, opened with ``resume=True``.
+
+    Returns
+    -------
+    SortingReport
+        Of the whole run, as far as the journal still tells of it.
+
+    Raises
+    ------
+    JournalError
+        If the journal is damaged.
+    BeltsortError
+        As `sort_objects`.
+    """
+    record = Record(journal, progress_in(journal.path))
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator)
+    return loop.run("resume", beltsort=beltsort.__version__)
 
 
 class _Loop:
@@ -93,40 +122,71 @@ class _Loop:
         cell: Cell,
         perceive: Perceive,
         policy: Policy,
-        model: SortingModel,
-        journal: Journal,
+        record: Record,
         rules: Rules,
+        timeouts: Timeouts,
+        operator: Operator,
     ) -> None:
-        self.cell, self.perceive, self.policy = cell, perceive, policy
-        self.model, self.journal, self.rules = model, journal, rules
-        self.belief = Belief(model)
-        self.empty = None if model.empty is None else model.classes.index(model.empty)
-        self.viewpoint = self.index = self.steps = self.objects = 0
-        self.visible = [Seen() for _ in range(model.positions)]
-        self.decisions: list[Decision] = []
-        self.skipped: list[int] = []
+        self.cell, self.policy, self.record, self.rules = cell, policy, record, rules
+        self.progress = record.progress
+        self.model = self.progress.model
+        _check_fit(cell, self.model)
+        self.commander = Commander(cell, self.progress, record, rules, timeouts, operator)
+        self.observer = Observer(cell.camera, perceive, self.progress, record, rules, timeouts)
 
-    def start(self, objects: int) -> None:
-        """Bring the arm to where the planner takes it to be."""
-        self.objects = objects
-        self.journal.append(
-            "start", objects=objects, model=self.model.to_json(), beltsort=beltsort.__version__
-        )
-        self.journal.object = self.index
-        with self.journal.command("move", viewpoint=self.viewpoint) as command_id:
-            self.cell.arm.move_to(self.viewpoint, command_id)
+    def run(self, kind: str, **data: Any) -> SortingReport:
+        """Work until nothing is left, from a first entry on; write down how it ends."""
+        try:
+            self.record(kind, **data)
+            self.record("state", state="Execute", reason=kind)
+            while not self.progress.done:
+                self.step()
+        except BaseException as failure:
+            self.break_off(failure)
+            raise
+        self.record("state", state="Complete", reason="all objects have left the belt")
+        self.record("end", reason="done")
+        progress = self.progress
+        return SortingReport(progress.steps, tuple(progress.decisions), tuple(progress.skipped))
+
+    def break_off(self, failure: BaseException) -> None:
+        """Stop every motion, and write down why."""
+        for device in (self.cell.arm, self.cell.belt, self.cell.sorter):
+            try:
+                device.stop()
+            except CellError as reason:
+                self.record("state", state="Stopping", reason=f"a device did not stop: {reason}")
+        aborted = isinstance(failure, EmergencyStopError) or not isinstance(failure, CellError)
+        self.record("state", state="Aborted" if aborted else "Held", reason=repr(failure))
+        self.record("end", reason=repr(failure))
 
     def step(self) -> None:
+        """Do what is owed."""
+        progress = self.progress
+        if progress.pending is not None:
+            self.commander.settle(progress.pending)
+        elif not progress.arrived:
+            self.commander.issue("move", progress.viewpoint, arriving=True)
+        elif progress.owed is Owed.SCAN:
+            self.observer.observe()
+        elif progress.bin is not None:
+            self.commander.issue("sort", progress.bin)
+        elif progress.owed is Owed.ADVANCE:
+            self.commander.issue("advance", progress.index + 1)
+        else:
+            self.choose()
+
+    def choose(self) -> None:
         """Skip an empty place, decide where a rule says so, or do what the policy names."""
-        belt_end = self.visible[0]
+        belt_end, (most_likely, _) = self.progress.visible[0], self.progress.belief.most_likely(0)
         if self.known_empty():
-            self.skip()
+            self.skip(decided=False)
         elif confirming := self.confirmation():
-            self.look_from(confirming.viewpoint)
+            self.commander.issue("move", confirming.viewpoint)
         elif belt_end.looks >= self.rules.max_looks:
-            self.decide(self.belief.most_likely(0)[0], forced="max_looks")
+            self.decide(most_likely, forced="max_looks")
         elif belt_end.impossible >= self.rules.impossible_labels:
-            self.decide(self.belief.most_likely(0)[0], forced="impossible_labels")
+            self.decide(most_likely, forced="impossible_labels")
         else:
             self.follow_policy()
 
@@ -134,145 +194,72 @@ class _Loop:
         """Plan, and do it."""
         match self.plan():
             case Move(viewpoint):
-                self.look_from(viewpoint)
+                self.commander.issue("move", viewpoint)
             case Decide(label):
                 self.decide(label)
 
     def known_empty(self) -> bool:
         """Whether the rule of `empty_looks` says that the belt end is empty."""
-        reachable = self.model.travel[self.viewpoint]
-        return self.empty is None and self.visible[0].known_empty(self.rules, reachable)
+        reachable = self.model.travel[self.progress.viewpoint]
+        return self.model.empty is None and self.progress.visible[0].known_empty(self.rules, reachable)
 
     def confirmation(self) -> Move | None:
         """Return the move that would confirm an empty belt end, to a viewpoint not tried yet if possible."""
-        tried = self.visible[0].empty
-        legal = self.model.travel[self.viewpoint]
-        if self.empty is not None or not tried or not legal:
+        tried = self.progress.visible[0].empty
+        legal = self.model.travel[self.progress.viewpoint]
+        if self.model.empty is not None or not tried or not legal:
             return None
         move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
-        self.journal.append("plan", action=_plain(move), why="the belt end was seen empty: look again")
+        self.record("plan", action=_plain(move), why="the belt end was seen empty: look again")
         return move
 
     def plan(self) -> Move | Decide:
         """Ask the policy."""
+        belief, viewpoint = self.progress.belief, self.progress.viewpoint
         if not isinstance(self.policy, Despot):
-            action = self.policy.act(self.belief.copy(), self.viewpoint)
+            action = self.policy.act(belief.copy(), viewpoint)
             self.check_legal(action)
-            self.journal.append("plan", action=_plain(action))
+            self.record("plan", action=_plain(action))
             return action
-        plan = self.policy.plan(self.belief, self.viewpoint)
-        self.journal.append(
+        plan = self.policy.plan(belief, viewpoint)
+        self.record(
             "plan",
             action=_plain(plan.action),
             values=[{**_plain(action), "value": value} for action, value in plan.values.items()],
             lower=plan.lower,
             upper=plan.upper,
             trials=plan.trials,
+            seconds=plan.seconds,
         )
         return plan.action
 
     def check_legal(self, action: object) -> None:
         """Refuse what the model does not allow, before anything moves."""
-        moves = [Move(viewpoint) for viewpoint in self.model.travel[self.viewpoint]]
+        moves = [Move(viewpoint) for viewpoint in self.model.travel[self.progress.viewpoint]]
         legal = [*moves, *(Decide(label) for label in range(len(self.model.classes)))]
         if action not in legal:
             raise PolicyError(
-                f"the policy returned {action!r} at viewpoint {self.viewpoint}; legal are {legal}"
+                f"the policy returned {action!r} at viewpoint {self.progress.viewpoint}; legal are {legal}"
             )
 
-    def look_from(self, viewpoint: int) -> None:
-        """Move and observe."""
-        with self.journal.command("move", viewpoint=viewpoint) as command_id:
-            arrival = self.cell.arm.move_to(viewpoint, command_id)
-        self.viewpoint = viewpoint
-        self.steps += 1
-        self.observe(arrival)
-
-    def observe(self, stopped: float) -> None:
-        """Scan from where the camera stands, perceive, and update the belief."""
-        perceived = self.scan(stopped)
-        labels = [self.label_of(what) for what in perceived]
-        probabilities = self.belief.label_probabilities(self.viewpoint)
-        dropped = []
-        for position, (seen, label) in enumerate(zip(self.visible, labels, strict=True)):
-            seen.looks += 1
-            seen.empty = [*seen.empty, self.viewpoint] if perceived[position].empty else []
-            if label is not None and not self.take_in(position, label):
-                probability = float(probabilities[position, label])
-                dropped.append({"position": position, "label": label, "probability": probability})
-        self.journal.append(
-            "scan",
-            viewpoint=self.viewpoint,
-            labels=labels,
-            empty=[what.empty for what in perceived],
-            dropped=dropped,
-            belief=self.belief.probabilities.tolist(),
-            last_labels=self.belief.last_labels.tolist(),
-        )
-
-    def label_of(self, what: PerceivedPosition) -> int | None:
-        """Return the label of one position; the model may have a class for empty cups."""
-        return self.empty if what.empty and self.empty is not None else what.label
-
-    def take_in(self, position: int, label: int) -> bool:
-        """Update the belief about one position; return False, and only count, if the label is impossible."""
-        labels = [label if j == position else None for j in range(self.model.positions)]
-        try:
-            self.belief.observe(self.viewpoint, labels)
-        except ImpossibleObservationError:
-            self.visible[position].impossible += 1
-            return False
-        self.visible[position].impossible = 0
-        return True
-
-    def scan(self, arrival: float) -> Sequence[PerceivedPosition]:
-        """Take a scan that perception can use."""
-        for _ in range(self.rules.scan_attempts):
-            scan = self.cell.camera.scan(not_before=arrival)
-            try:
-                return self.perceive(scan)
-            except CloudError as reason:
-                self.journal.append("bad_scan", stamp=scan.stamp, error=str(reason))
-        raise CellError(
-            f"{self.rules.scan_attempts} scans in a row are unusable, expected a point cloud; check the "
-            f"camera ({self.journal.path} tells what each lacked)"
-        )
-
     def decide(self, label: int, forced: str | None = None) -> None:
-        """Sort the object at the belt end, or pass over an empty cup, and bring the next one there."""
-        self.steps += 1
-        rejected = forced is not None and self.cell.reject_bin is not None
-        if label == self.empty and not rejected:
-            self.skip()
+        """Write down where the object at the belt end goes; an empty cup goes nowhere."""
+        rejected = self.cell.reject_bin if forced is not None else None
+        if self.model.classes[label] == self.model.empty and rejected is None:
+            self.skip(decided=True)
             return
-        bin_label = self.cell.reject_bin if rejected and self.cell.reject_bin is not None else label
-        with self.journal.command("sort", label=bin_label) as command_id:
-            self.cell.sorter.sort(bin_label, command_id)
-        probability = float(self.belief.probabilities[0, label])
-        decided = None if rejected else label
-        decision = Decision(self.index, decided, probability, self.visible[0].looks, forced)
-        self.decisions.append(decision)
-        self.journal.append(
-            "decision", label=decided, belief=probability, looks=decision.looks, forced=forced
+        self.record(
+            "decision",
+            label=label if rejected is None else None,
+            bin=label if rejected is None else rejected,
+            belief=float(self.progress.belief.probabilities[0, label]),
+            looks=self.progress.visible[0].looks,
+            forced=forced,
         )
-        self.advance()
 
-    def skip(self) -> None:
-        """Pass over an empty place: nothing to sort, no decision."""
-        self.skipped.append(self.index)
-        self.journal.append("skip", viewpoints=self.visible[0].empty)
-        self.advance()
-
-    def advance(self) -> None:
-        """Bring the next object to the belt end, and observe if the model says so."""
-        with self.journal.command("advance", index=self.index + 1) as command_id:
-            stopped = self.cell.belt.advance_to(self.index + 1, command_id)
-        self.index += 1
-        self.journal.object = self.index
-        self.belief.advance()
-        self.visible = [*self.visible[1:], Seen()]
-        if self.model.observe_after_decision and self.index < self.objects:
-            self.observe(stopped)
+    def skip(self, *, decided: bool) -> None:
+        """Pass over an empty place: nothing to sort."""
+        self.record("skip", viewpoints=self.progress.visible[0].empty, decided=decided)
 
 
 def _plain(action: Move | Decide) -> dict[str, int]:

@@ -36,6 +36,7 @@ class ScriptedCell:
     viewpoint: int = 0
     first: int = 0
     stamps: list[float] = field(default_factory=list)
+    stops: int = 0
 
     @property
     def classes(self) -> Sequence[str]:
@@ -59,7 +60,7 @@ class ScriptedCell:
         return Health(ready=True, boot_id="scripted")
 
     def stop(self) -> None:
-        self.acts.append(("stop", 0))
+        self.stops += 1
 
     def outcome_of(self, command_id: str) -> Outcome:
         return Outcome.DONE if command_id in self.command_ids else Outcome.NOT_DONE

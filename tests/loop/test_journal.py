@@ -17,8 +17,8 @@ from pathlib import Path
 from beltsort.journal import Entry, Journal
 journal = Journal(Path(sys.argv[1]))
 journal.append("start")
-with journal.command("sort", label=3):
-    os.kill(os.getpid(), signal.SIGKILL)
+journal.append("intent", label=3)
+os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
@@ -27,8 +27,8 @@ def test_entries_read_back_as_written(tmp_path: Path) -> None:
     with Journal(tmp_path / "j", heard.append) as journal:
         journal.append("start", objects=3)
         journal.object = 0
-        with journal.command("move", viewpoint=1) as command_id:
-            assert command_id == "move-1"
+        journal.append("intent", viewpoint=1)
+        journal.append("outcome", seconds=0.1)
     entries = read_journal(tmp_path / "j")
     assert entries == heard
     assert [(e.number, e.kind, e.object) for e in entries] == [
@@ -43,14 +43,6 @@ def test_a_killed_process_loses_nothing_that_was_appended(tmp_path: Path) -> Non
     killed = subprocess.run([sys.executable, "-c", KILLED_BETWEEN_INTENT_AND_OUTCOME, path], check=False)
     assert killed.returncode == -9
     assert [(e.kind, e.data.get("label")) for e in read_journal(path)] == [("start", None), ("intent", 3)]
-
-
-def test_a_failed_command_is_told(tmp_path: Path) -> None:
-    with Journal(tmp_path / "j") as journal, pytest.raises(ValueError, match="jam"), journal.command("sort"):
-        raise ValueError("jam")
-    outcome = read_journal(tmp_path / "j")[-1].data
-    assert not outcome["done"]
-    assert "jam" in outcome["error"]
 
 
 def test_a_run_never_overwrites_another(tmp_path: Path) -> None:
@@ -109,3 +101,36 @@ def _alarm_interrupts() -> Iterator[None]:
     yield
     signal.setitimer(signal.ITIMER_REAL, 0.0)
     signal.signal(signal.SIGALRM, before)
+
+
+def test_a_journal_goes_on_where_it_ended(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    with Journal(path) as journal:
+        journal.append("start")
+    with Journal(path, resume=True) as journal:
+        journal.append("resume")
+    assert [(entry.number, entry.kind) for entry in read_journal(path)] == [(1, "start"), (2, "resume")]
+    with pytest.raises(JournalError, match="does not exist"):
+        Journal(tmp_path / "none", resume=True)
+
+
+def test_rotation_bounds_the_size_and_keeps_the_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    with Journal(path, keep=2) as journal:
+        for number in range(1, 6):
+            journal.append("scan", number=number)
+            journal.rotate(upto=number)
+    kept = read_journal(path)
+    assert [entry.number for entry in kept] == list(range(kept[0].number, 11))
+    assert kept[0].data == {"upto": 3}, "the oldest file that is kept begins with a snapshot"
+    assert len(list(tmp_path.glob("journal*.sqlite"))) == 3
+
+
+def test_a_crash_in_the_middle_of_rotation_loses_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    with Journal(path) as journal:
+        journal.append("start")
+    path.rename(tmp_path / "journal-0001.sqlite")
+    with Journal(path, resume=True) as journal:
+        assert journal.append("resume").number == 2
+    assert [entry.kind for entry in read_journal(path)] == ["start", "resume"]

@@ -185,10 +185,11 @@ def test_interrupt_leaves_a_complete_journal(tmp_path: Path, call: int) -> None:
     entries = read_journal(tmp_path / "journal.sqlite")
     assert entries[-1].kind == "end"
     assert "KeyboardInterrupt" in entries[-1].data["reason"]
-    intents = {e.data["command_id"] for e in entries if e.kind == "intent"}
+    intents = {e.data["command"]["id"] for e in entries if e.kind == "intent"}
     outcomes = [e.data for e in entries if e.kind == "outcome"]
     assert intents == {o["command_id"] for o in outcomes}
-    assert [o["done"] for o in outcomes] == [True] * call + [False]
+    assert [o["outcome"] for o in outcomes] == ["done"] * call + ["unknown"]
+    assert cell.stops == 3, "arm, belt and sorter"
 
 
 def test_cell_and_model_must_agree(tmp_path: Path) -> None:
@@ -209,7 +210,7 @@ def test_a_plan_is_journalled_with_its_reasons(tmp_path: Path) -> None:
     _, entries = run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), planner, objects=1)
     plans = [entry.data for entry in entries if entry.kind == "plan"]
     assert set(plans[0]["action"]) == {"move"}
-    assert set(plans[0]) == {"action", "values", "lower", "upper", "trials"}
+    assert set(plans[0]) == {"action", "values", "lower", "upper", "trials", "seconds"}
     assert len(plans[0]["values"]) == 7
     best = max(plans[0]["values"], key=lambda action: action["value"])
     assert plans[0]["action"] == {"move": best["move"]}
@@ -255,7 +256,7 @@ def test_an_empty_cup_is_decided_and_passed_over(tmp_path: Path) -> None:
     scan, skip = (next(e.data for e in entries if e.kind == kind) for kind in ("scan", "skip"))
     assert (scan["labels"], scan["empty"]) == ([2, 1], [True, False])
     assert scan["belief"] == belief.probabilities.tolist()
-    assert skip == {"viewpoints": [1]}
+    assert skip == {"viewpoints": [1], "decided": True}
 
 
 @pytest.mark.parametrize("reject_bin", [None, 7])

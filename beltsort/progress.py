@@ -1,0 +1,240 @@
+"""How far a run has come: a function of its journal.
+
+The loop changes its state in one way only: it writes an entry, then applies it. So a run that was killed at
+any moment is brought back by applying what it wrote.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from enum import Enum
+from typing import Any
+
+from beltsort._core import Belief, SortingModel
+from beltsort.errors import JournalError
+from beltsort.journal import Entry
+from beltsort.report import Decision
+from beltsort.rules import Seen
+
+
+class Owed(Enum):
+    """What the loop has to do next."""
+
+    CHOICE = "choice"
+    """Choose an action."""
+    SCAN = "scan"
+    """Scan from where the camera stands."""
+    ADVANCE = "advance"
+    """Bring the next object to the belt end."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """An actuator command.
+
+    Attributes
+    ----------
+    id
+        Unique for the device; a repeated command keeps its id.
+    name
+        `move`, `sort` or `advance`.
+    target
+        Viewpoint, bin or object at the belt end.
+    boot_id
+        Of the device when it was first sent.
+    arriving
+        Whether it only brings the camera to where the planner takes it to be: no planner step, and no look.
+    """
+
+    id: str
+    name: str
+    target: int
+    boot_id: str
+    arriving: bool = False
+
+
+@dataclass
+class Progress:
+    """What the loop knows.
+
+    Attributes
+    ----------
+    model
+        Updates the belief.
+    belief
+        About the visible objects.
+    run
+        Name of the run, part of its commands' ids.
+    objects
+        Belt places to work through.
+    index
+        Number of the object at the belt end.
+    viewpoint
+        Where the camera stands, or is to be brought.
+    arrived
+        Whether it stands there; not so at the start, and after a pause in which somebody may have moved it.
+    steps
+        Moves and decisions so far.
+    commands
+        Commands so far, repeated ones once.
+    glances
+        Scans since the belt moved, unusable ones included.
+    stopped
+        When arm and belt stood still last, seconds on the cell's clock.
+    owed
+        What to do next; a pending command goes before.
+    pending
+        The command that is not known to be done.
+    bin
+        Where the object at the belt end is to be sorted, from the decision until it is done.
+    visible
+        What is known of each visible object besides the belief.
+    decisions, skipped
+        What the report will say.
+    """
+
+    model: SortingModel
+    belief: Belief
+    run: str = ""
+    objects: int = 0
+    index: int = 0
+    viewpoint: int = 0
+    arrived: bool = False
+    steps: int = 0
+    commands: int = 0
+    glances: int = 0
+    stopped: float = 0.0
+    owed: Owed = Owed.CHOICE
+    pending: Command | None = None
+    bin: int | None = None
+    visible: list[Seen] = field(default_factory=list)
+    decisions: list[Decision] = field(default_factory=list)
+    skipped: list[int] = field(default_factory=list)
+
+    @classmethod
+    def at_start(cls, model: SortingModel) -> "Progress":
+        """Return the state before the first entry."""
+        return cls(model, Belief(model), visible=[Seen() for _ in range(model.positions)])
+
+    @property
+    def done(self) -> bool:
+        """Whether every object has left the belt end."""
+        return self.index >= self.objects and self.pending is None
+
+    def apply(self, entry: Entry) -> None:
+        """Take in one entry.
+
+        Raises
+        ------
+        JournalError
+            If it cannot follow the ones before.
+        """
+        effect = _EFFECTS.get(entry.kind)
+        if effect is not None:
+            effect(self, entry.data)
+
+    def _start(self, data: dict[str, Any]) -> None:
+        self.run, self.objects = data["run"], data["objects"]
+
+    def _resume(self, _data: dict[str, Any]) -> None:
+        self.arrived = False
+
+    def _intent(self, data: dict[str, Any]) -> None:
+        self.pending = Command(**data["command"])
+        self.commands += 1
+
+    def _outcome(self, data: dict[str, Any]) -> None:
+        command = self.pending
+        if command is None or command.id != data["command_id"]:
+            raise JournalError(
+                f"the journal tells the outcome of {data['command_id']}, which was not pending; it is damaged"
+            )
+        if data["outcome"] == "done":
+            self.pending = None
+            self.stopped = max(self.stopped, data["stopped"] or 0.0)
+            _DONE[command.name](self, command)
+
+    def _moved(self, command: Command) -> None:
+        self.viewpoint, self.arrived = command.target, True
+        if not command.arriving:
+            self.steps += 1
+            self.owed = Owed.SCAN
+
+    def _sorted(self, _command: Command) -> None:
+        self.bin = None
+
+    def _advanced(self, command: Command) -> None:
+        self.index, self.glances = command.target, 0
+        self.belief.advance()
+        self.visible = [*self.visible[1:], Seen()]
+        looks = self.model.observe_after_decision and self.index < self.objects
+        self.owed = Owed.SCAN if looks else Owed.CHOICE
+
+    def _scan(self, data: dict[str, Any]) -> None:
+        self.glances += 1
+        self.belief = Belief(self.model, data["belief"], data["last_labels"])
+        dropped = {drop["position"] for drop in data["dropped"]}
+        for position, (seen, label) in enumerate(zip(self.visible, data["labels"], strict=True)):
+            seen.looks += 1
+            seen.empty = [*seen.empty, data["viewpoint"]] if data["empty"][position] else []
+            if label is not None:
+                seen.impossible = seen.impossible + 1 if position in dropped else 0
+        self.owed = Owed.CHOICE
+
+    def _bad_scan(self, _data: dict[str, Any]) -> None:
+        self.glances += 1
+
+    def _decision(self, data: dict[str, Any]) -> None:
+        self.steps += 1
+        self.decisions.append(
+            Decision(self.index, data["label"], data["belief"], data["looks"], data["forced"])
+        )
+        self.bin, self.owed = data["bin"], Owed.ADVANCE
+
+    def _skip(self, data: dict[str, Any]) -> None:
+        self.steps += int(data["decided"])
+        self.skipped.append(self.index)
+        self.owed = Owed.ADVANCE
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return everything but the model and what has left the belt, as plain data."""
+        return {
+            **{name: getattr(self, name) for name in _PLAIN},
+            "belief": self.belief.probabilities.tolist(),
+            "last_labels": self.belief.last_labels.tolist(),
+            "owed": self.owed.value,
+            "pending": None if self.pending is None else asdict(self.pending),
+            "visible": [asdict(seen) for seen in self.visible],
+        }
+
+    def _snapshot(self, data: dict[str, Any]) -> None:
+        for name in _PLAIN:
+            setattr(self, name, data[name])
+        self.belief = Belief(self.model, data["belief"], data["last_labels"])
+        self.owed = Owed(data["owed"])
+        self.pending = None if data["pending"] is None else Command(**data["pending"])
+        self.visible = [Seen(**seen) for seen in data["visible"]]
+
+
+_PLAIN = (
+    *("run", "objects", "index", "viewpoint", "arrived"),
+    *("steps", "commands", "glances", "stopped", "bin"),
+)
+
+_EFFECTS: dict[str, Callable[[Progress, dict[str, Any]], None]] = {
+    "start": Progress._start,
+    "resume": Progress._resume,
+    "intent": Progress._intent,
+    "outcome": Progress._outcome,
+    "scan": Progress._scan,
+    "bad_scan": Progress._bad_scan,
+    "decision": Progress._decision,
+    "skip": Progress._skip,
+    "snapshot": Progress._snapshot,
+}
+"""Entries of other kinds change nothing."""
+
+_DONE: dict[str, Callable[[Progress, Command], None]] = {
+    "move": Progress._moved,
+    "sort": Progress._sorted,
+    "advance": Progress._advanced,
+}

@@ -1,0 +1,50 @@
+"""Writing down, then taking in: the only way in which a run's state changes."""
+
+from pathlib import Path
+from typing import Any
+
+from beltsort._core import SortingModel
+from beltsort.errors import JournalError
+from beltsort.journal import Journal, read_journal
+from beltsort.progress import Progress
+
+
+class Record:
+    """A journal and the progress that it tells of.
+
+    Parameters
+    ----------
+    journal
+        Open.
+    progress
+        As far as the journal goes.
+    """
+
+    def __init__(self, journal: Journal, progress: Progress) -> None:
+        self.journal, self.progress = journal, progress
+
+    def __call__(self, kind: str, **data: Any) -> None:
+        """Write an entry, then take it in."""
+        self.progress.apply(self.journal.append(kind, **data))
+        self.journal.object = self.progress.index
+        if self.journal.full:
+            self.journal.rotate(model=self.progress.model.to_json(), **self.progress.snapshot())
+
+
+def progress_in(path: Path) -> Progress:
+    """Return how far the run of a journal has come.
+
+    Raises
+    ------
+    JournalError
+        If the journal is missing or damaged, or begins in the middle of nowhere.
+    """
+    entries = read_journal(path)
+    if entries[0].kind not in ("start", "snapshot"):
+        raise JournalError(
+            f"{path} begins with {entries[0].kind!r}, expected 'start' or 'snapshot'; it is damaged"
+        )
+    progress = Progress.at_start(SortingModel.from_json(entries[0].data["model"]))
+    for entry in entries:
+        progress.apply(entry)
+    return progress
