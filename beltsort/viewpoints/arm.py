@@ -51,7 +51,7 @@ class Arm:
     ArgumentError
         If a number has no sense.
     ViewpointError
-        If pinocchio is missing, the URDF cannot be read, or it has no such frame.
+        If pinocchio is missing, the URDF cannot be read, has no such frame, or has joints without limits.
 
     References
     ----------
@@ -130,6 +130,13 @@ class Arm:
             model = pin.buildModelFromUrdf(str(self.urdf))
         except ValueError as reason:
             raise ViewpointError(f"the URDF {self.urdf} cannot be read: {reason}") from reason
+        try:
+            pin.randomConfiguration(model)
+        except RuntimeError as reason:
+            raise ViewpointError(
+                f"{self.urdf} has a joint without limits ({reason}), expected limits to draw configurations "
+                "within: give every joint its own, or fix it"
+            ) from reason
         if not model.existFrame(self.tip):
             names = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
             nearest = ", ".join(get_close_matches(self.tip, names, n=5, cutoff=0.0))

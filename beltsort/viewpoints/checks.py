@@ -25,11 +25,11 @@ def check_map(views: "ViewpointMap") -> None:
         _check_travel(views)
 
 
-def listed(indices: Iterable[object]) -> str:
-    """Return the first few of many indices as text."""
-    all_of_them = [str(index) for index in indices]
-    more = len(all_of_them) - LISTED
-    return ", ".join(all_of_them[:LISTED]) + (f" and {more} more" if more > 0 else "")
+def listed(things: Iterable[object], separator: str = ", ") -> str:
+    """Return the first few of many things as text."""
+    texts = [str(thing) for thing in things]
+    more = len(texts) - LISTED
+    return separator.join(texts[:LISTED]) + (f" and {more} more" if more > 0 else "")
 
 
 def _check_points(views: "ViewpointMap") -> None:
@@ -82,7 +82,7 @@ def _check_connected(views: "ViewpointMap") -> None:
     nodes = np.flatnonzero(views.reachable).tolist()
     parts = components(nodes, views.edges, len(views.points))
     if len(parts) > 1:
-        names = "; ".join(f"{len(part)} points: {listed(part)}" for part in parts)
+        names = listed((f"{len(part)} points: {listed(part)}" for part in parts), "; ")
         raise ViewpointError(
             f"the neighbour graph falls into {len(parts)} parts ({names}), expected one; sample more points "
             "or move the arm's base, so that the gap closes"
@@ -94,7 +94,7 @@ def _check_travel(views: "ViewpointMap") -> None:
     edges = np.argwhere(np.triu(views.steps() <= 1.0, 1))
     groups = components(range(len(views.chosen)), edges, len(views.chosen))
     if len(groups) > 1:
-        names = "; ".join(listed(views.names[k] for k in group) for group in groups)
+        names = listed((listed(views.names[k] for k in group) for group in groups), "; ")
         raise ViewpointError(
             f"with neighbours_only no move leads from one of these groups of viewpoints to another: {names}; "
             "choose more of the points, sample fewer, or allow all moves"

@@ -57,7 +57,7 @@ def text_of(data: dict[str, Any]) -> str:
 def read_plain(path: Path) -> dict[str, Any]:
     """Read a file's keys, all of them and no others."""
     try:
-        given = json.loads(path.read_text())
+        given = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError) as reason:
         raise ViewpointError(f"cannot be read: {reason}; write it with `beltsort viewpoints`") from reason
     return dict(zip(KEYS, fields_of(given, KEYS, "the file"), strict=True))

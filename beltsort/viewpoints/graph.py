@@ -3,6 +3,10 @@
 North is the way to the point straight above the belt end, east the way of growing azimuth, a bearing the
 angle between north and the great circle to another point, as on a globe. At the very top, where every way
 leads south, they are what they become on the way up along azimuth 0.
+
+The four bearings leave no direction out and distance has no limit, so an edge may span a gap of unreachable
+points; it says nothing about what stands in the way. For the same reason no sample's graph has been seen to
+fall into parts, but nothing proves that none does: whoever uses a graph checks it (`components`).
 """
 
 from collections import deque

@@ -109,6 +109,10 @@ def test_what_is_refused(folder: Path) -> None:
     (folder / "none.urdf").write_text("<robot/>")
     with pytest.raises(ViewpointError, match=r"none\.urdf cannot be read"):
         Arm(folder / "none.urdf", TIP, BASE)(view(0.0, 45.0))
+    with pytest.raises(ViewpointError, match=r"absent\.urdf cannot be read"):
+        Arm(folder / "absent.urdf", TIP, BASE)(view(0.0, 45.0))
+    with pytest.raises(ViewpointError, match=r"has a joint without limits .*: give every joint its own"):
+        Arm(gantry(folder, "floating"), TIP, BASE)(view(0.0, 45.0))
     with pytest.raises(ArgumentError, match=r"base is .*nan.*, expected finite"):
         Arm(urdf, TIP, (0.0, 0.0, 0.0, np.nan))
     with pytest.raises(ArgumentError, match=r"tolerance is 0.0, expected a number above 0"):

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 import beltsort
 from beltsort.cell.simulated import CellConfig, SimulatedCell
-from beltsort.errors import ViewpointError
 from beltsort.geometry import Points, Pose, on_sphere
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from beltsort.viewpoints.graph import Edges
@@ -158,8 +157,3 @@ def test_a_map_in_parts_is_fine_where_nobody_can_stand() -> None:
     whole = hand_made(LINE)
     views = dataclasses.replace(whole, edges=edges, reachable=reachable, chosen=(1,), names=("p",))
     assert views.motion_cost.tolist() == [[1.0]]
-
-
-def test_every_error_is_a_viewpoint_or_argument_error() -> None:
-    with pytest.raises(ViewpointError):
-        hand_made([])

@@ -44,6 +44,12 @@ def test_fibonacci_points_are_evenly_spread(count: int) -> None:
     assert nearest.mean() > 0.85 * hexagonal
 
 
+@law
+@given(count=st.integers(1, 300))
+def test_fibonacci_points_are_as_high_as_the_half_sphere_on_average(count: int) -> None:
+    assert Sampling("fibonacci", count, radius=1.0).points()[:, 2].mean() == pytest.approx(0.5)
+
+
 def test_uniform_points_are_reproducible_and_no_two_seeds_alike() -> None:
     first, again, other = (Sampling("uniform", seed=seed).points() for seed in (5, 5, 6))
     np.testing.assert_array_equal(first, again)
