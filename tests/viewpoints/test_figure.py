@@ -13,7 +13,7 @@ from beltsort.viewpoints import Sampling, map_viewpoints
 def test_viewpoints_units_and_kinds_of_points_are_named(
     tmp_path: Path, viewpoints: int, lowest: float
 ) -> None:
-    views = map_viewpoints(Sampling(count=40 if lowest == 0.0 else 60), viewpoints, lowest=lowest)
+    views = map_viewpoints(Sampling(count=60), viewpoints, lowest=lowest)
     draw_sphere(views, tmp_path / "sphere.svg")
     texts = re.findall(r"<!-- *(.*?) *-->", (tmp_path / "sphere.svg").read_text())
     for name in views.names:
