@@ -17,3 +17,7 @@ class DatabaseError(BeltsortError):
 
 class JournalError(BeltsortError):
     """The record of a run cannot be written or read."""
+
+
+class ViewpointError(BeltsortError):
+    """Viewpoints cannot be chosen, reached or read."""

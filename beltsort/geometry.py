@@ -51,6 +51,12 @@ def on_sphere(azimuth: float, elevation: float, radius: float, centre: Points) -
     return centre + radius * np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
 
 
+def direction_of(points: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return azimuth and elevation (degrees) of points as seen from the origin, shape (...,) each."""
+    x, y, z = np.moveaxis(points, -1, 0)
+    return np.degrees(np.arctan2(y, x)), np.degrees(np.arctan2(z, np.hypot(x, y)))
+
+
 def look_at(eye: Points, target: Points) -> Pose:
     """Return `world_from_camera` of a camera at `eye` with `target` in its centre, world z up in the image.
 
@@ -64,6 +70,30 @@ def look_at(eye: Points, target: Points) -> Pose:
     pose[:3, :3] = np.column_stack([right, np.cross(forward, right), forward])
     pose[:3, 3] = eye
     return pose
+
+
+@dataclass(frozen=True)
+class SphereViewpoint:
+    """A viewpoint of the half-sphere about the belt end.
+
+    Attributes
+    ----------
+    azimuth, elevation
+        Degrees; azimuth 0 looks from upstream, 180 from beyond the belt end, elevation 90 from straight
+        above.
+    radius
+        Distance of the camera from the belt end, metres.
+    """
+
+    name: str
+    azimuth: float
+    elevation: float
+    radius: float = 0.7
+
+    def pose(self) -> Pose:
+        """Return `world_from_camera` of a camera that stands there and sees the belt end in its centre."""
+        belt_end = np.zeros(3)
+        return look_at(on_sphere(self.azimuth, self.elevation, self.radius, belt_end), belt_end)
 
 
 def transform(pose: Pose, points: Points) -> Points:

@@ -8,8 +8,9 @@ hopelessly.
 
 from typing import TYPE_CHECKING, Any
 
-from beltsort.cell.simulated.config import ArmErrors, CellConfig, Cup, PoseMix, SphereViewpoint
+from beltsort.cell.simulated.config import ArmErrors, CellConfig, Cup, PoseMix
 from beltsort.cell.simulated.sensor import Camera, SensorNoise
+from beltsort.geometry import SphereViewpoint
 
 if TYPE_CHECKING:
     from beltsort.cell.simulated.cell import SimulatedCell

@@ -9,31 +9,7 @@ from beltsort.cell.simulated.bulbs import CLASSES
 from beltsort.cell.simulated.rotations import rotation
 from beltsort.cell.simulated.sensor import Camera, SensorNoise
 from beltsort.errors import CellError
-from beltsort.geometry import BeltLayout, Pose, look_at, on_sphere
-
-
-@dataclass(frozen=True)
-class SphereViewpoint:
-    """A viewpoint of the half-sphere about the belt end.
-
-    Attributes
-    ----------
-    azimuth, elevation
-        Degrees; azimuth 0 looks from upstream, 180 from beyond the belt end, elevation 90 from straight
-        above.
-    radius
-        Distance of the camera from the belt end, metres.
-    """
-
-    name: str
-    azimuth: float
-    elevation: float
-    radius: float = 0.7
-
-    def pose(self) -> Pose:
-        """Return `world_from_camera` of a camera that stands there and sees the belt end in its centre."""
-        belt_end = np.zeros(3)
-        return look_at(on_sphere(self.azimuth, self.elevation, self.radius, belt_end), belt_end)
+from beltsort.geometry import BeltLayout, Pose, SphereViewpoint
 
 
 @dataclass(frozen=True)

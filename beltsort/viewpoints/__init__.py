@@ -1,0 +1,17 @@
+"""Viewpoints: the half-sphere about the belt end, what an arm reaches of it, and who is whose neighbour.
+
+`beltsort viewpoints FILE` writes a map of viewpoints, `map_viewpoints` makes one in Python. Cell and model
+take it in one line each::
+
+    views = ViewpointMap.load("viewpoints.json")
+    config = CellConfig(viewpoints=views.viewpoints)
+    model = beltsort.SortingModel(config.classes, p_obs=p_obs, **views.model_settings())
+
+With the extra `ik`, `arm.Arm` tells what an arm reaches.
+"""
+
+from beltsort.viewpoints.map import ViewpointMap
+from beltsort.viewpoints.sampled import Reachable, map_viewpoints
+from beltsort.viewpoints.sphere import Sampling
+
+__all__ = ["Reachable", "Sampling", "ViewpointMap", "map_viewpoints"]

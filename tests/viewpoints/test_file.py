@@ -1,0 +1,124 @@
+"""The file: what is written is read, what is not understood or contradicts itself is refused."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from beltsort.errors import ViewpointError
+from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
+
+Data = dict[str, Any]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "viewpoints.json"
+
+
+def views() -> ViewpointMap:
+    return map_viewpoints(Sampling("uniform", 30, 0.5, seed=7), 3, lowest=10.0, note="a test")
+
+
+def test_what_is_written_is_read(path: Path) -> None:
+    written = views()
+    written.save(path)
+    read = ViewpointMap.load(path)
+    for name in ("points", "reachable", "edges", "motion_cost"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(written, name))
+    for name in ("chosen", "names", "sampling", "lowest", "note", "neighbours_only", "viewpoints", "travel"):
+        assert getattr(read, name) == getattr(written, name)
+    read.save(again := path.with_suffix(".again"))
+    assert again.read_bytes() == path.read_bytes()
+
+
+def test_the_file_says_all_that_a_cell_needs(path: Path) -> None:
+    written = views()
+    written.save(path)
+    data = json.loads(path.read_text())
+    assert data["sampling"] == {"method": "uniform", "count": 30, "radius": 0.5, "seed": 7}
+    for k, viewpoint in enumerate(data["viewpoints"]):
+        assert viewpoint["name"] == f"p{k + 1}"
+        assert viewpoint["position"] == data["graph"]["points"][viewpoint["point"]]
+        pose = np.array(viewpoint["world_from_camera"])
+        np.testing.assert_allclose(pose[:3, 3], viewpoint["position"], atol=1e-12)
+        np.testing.assert_allclose(pose[:3, 3] + 0.5 * pose[:3, 2], 0.0, atol=1e-12)
+
+
+def test_viewpoints_may_be_renamed_by_hand(path: Path) -> None:
+    views().save(path)
+    path.write_text(path.read_text().replace('"p2"', '"beside"'))
+    assert ViewpointMap.load(path).names == ("p1", "beside", "p3")
+
+
+def put(*keys: str | int, value: Any) -> Callable[[Data], object]:
+    def change(data: Any) -> None:
+        for key in keys[:-1]:
+            data = data[key]
+        data[keys[-1]] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (put("motion_costs", value=[]), "unknown key 'motion_costs'; did you mean 'motion_cost'"),
+        (put("graph", "edge", value=[]), "graph has the unknown key 'edge'; did you mean 'edges'"),
+        (put("sampling", "sead", value=1), "sampling has the unknown key 'sead'; did you mean 'seed'"),
+        (put("viewpoints", 1, "pose", value=1), r"viewpoints\[1\] has the unknown key 'pose'"),
+        (lambda data: data.pop("travel"), "the file lacks the key 'travel'"),
+        (lambda data: data["graph"].pop("edges"), "graph lacks the key 'edges'"),
+        (put("graph", value=3), "graph is 3, expected an object with the keys points, reachable, edges"),
+        (put("viewpoints", value="p1"), "viewpoints is 'p1', expected a list"),
+        (put("viewpoints", 0, "name", value=1), r"viewpoints\[0\].name is 1, expected a value of type str"),
+        (put("viewpoints", 0, "point", value=1.5), r"viewpoints\[0\].point is 1.5, .* type int"),
+        (put("viewpoints", 0, "point", value=True), r"viewpoints\[0\].point is True, .* type int"),
+        (put("viewpoints", 0, "point", value=900), "point 900 is chosen"),
+        (put("lowest", value="low"), "lowest is 'low', expected a value of type float"),
+        (put("neighbours_only", value=1), "neighbours_only is 1, expected a value of type bool"),
+        (put("sampling", "method", value="spiral"), "no method 'spiral'; choose from fibonacci, uniform"),
+        (put("sampling", "radius", value=0.7), r"points\[0\] is .* radius 0.7 m"),
+        (put("graph", "points", 4, value=[0.0, 1.0]), "graph.points: .*expected a list of rows of 3"),
+        (
+            put("graph", "reachable", value=[1.0] * 30),
+            r"graph.reachable has .* float64, expected a list of bo",
+        ),
+        (
+            put("graph", "edges", 0, value=[0.0, 1.0]),
+            "graph.edges has .* expected a list of rows of 2 of int",
+        ),
+        (put("graph", "edges", value=[]), "the neighbour graph falls into"),
+        (put("motion_cost", 0, 1, value=2.5), "motion_cost does not follow from the graph.*SortingModel"),
+        (put("motion_cost", value=[[1.0]]), "motion_cost does not follow from the graph"),
+        (put("travel", 0, value=[0]), "travel does not follow from the graph"),
+        (put("viewpoints", 2, "position", 1, value=0.4), "viewpoints does not follow from the graph"),
+        (put("viewpoints", 0, "world_from_camera", 0, value=None), "viewpoints does not follow"),
+    ],
+)
+def test_what_is_refused(path: Path, change: Callable[[Data], object], message: str) -> None:
+    views().save(path)
+    data = json.loads(path.read_text())
+    change(data)
+    path.write_text(json.dumps(data))
+    with pytest.raises(ViewpointError, match=message) as caught:
+        ViewpointMap.load(path)
+    assert str(caught.value).startswith(f"{path}: ")
+
+
+@pytest.mark.parametrize("content", ["", "[", "[]", "\x00"])
+def test_no_json_object(path: Path, content: str) -> None:
+    path.write_text(content)
+    with pytest.raises(ViewpointError, match=r"cannot be read|expected an object"):
+        ViewpointMap.load(path)
+
+
+def test_no_text_and_no_file(path: Path) -> None:
+    with pytest.raises(ViewpointError, match=r"cannot be read: .*No such file"):
+        ViewpointMap.load(path)
+    path.write_bytes(b"\xff\xfe\xff")
+    with pytest.raises(ViewpointError, match=r"cannot be read: .*decode"):
+        ViewpointMap.load(path)
