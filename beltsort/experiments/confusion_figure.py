@@ -34,7 +34,8 @@ def draw_confusion(confusion: Confusion, path: Path) -> None:
         colour = READABLE_ON_LIGHT if share > 0.5 else READABLE_ON_DARK
         panel.text(column, row, str(counts[row, column]), color=colour, ha="center", va="center")
     panel.set(ylabel="true class", xlabel=f"label ({confusion.right} of {confusion.total} right)")
-    panel.set_xticks(range(columns), [*confusion.classes, "none"], rotation=45.0, ha="right")
-    panel.set_yticks(range(rows), confusion.classes)
+    labels = [*confusion.classes, "none"]
+    panel.set_xticks(range(columns), labels, rotation=45.0, ha="right", parse_math=False)
+    panel.set_yticks(range(rows), confusion.classes, parse_math=False)
     figure.colorbar(picture, label="share of the true class")
     figure.savefig(path, dpi=120)

@@ -60,9 +60,9 @@ def read_database(path: str | PathLike[str]) -> Arrays:
         header = json.loads(str(_member(archive, "header", "U", LONGEST_HEADER)))
         if header["version"] not in READABLE:
             raise ValueError(f"its version is {header['version']!r}, expected one of {READABLE}")
-        descriptors = _member(archive, "descriptors", "f", 8 * MOST_ENTRIES * LENGTH)
-        labels = _member(archive, "labels", "i", 8 * MOST_ENTRIES)
-    return descriptors.astype(np.float64), labels.astype(np.int64), header
+        descriptors = _member(archive, "descriptors", "f8", 8 * MOST_ENTRIES * LENGTH)
+        labels = _member(archive, "labels", "i8", 8 * MOST_ENTRIES)
+    return descriptors, labels, header
 
 
 def _member(archive: ZipFile, name: str, kind: str, most: int) -> NDArray[Any]:
@@ -74,8 +74,8 @@ def _member(archive: ZipFile, name: str, kind: str, most: int) -> NDArray[Any]:
         raise ValueError(f"{name} unpacks to {entry.file_size} bytes, expected at most {most}")
     file = BytesIO(archive.read(entry))
     shape, fortran_order, dtype = _array_header(file)
-    if dtype.kind != kind:
-        raise ValueError(f"{name} holds {dtype}, expected kind {kind!r} and never pickled objects")
+    if not dtype.str[1:].startswith(kind):
+        raise ValueError(f"{name} holds {dtype}, expected {kind!r} and never pickled objects")
     values = np.frombuffer(file.getbuffer()[file.tell() :], dtype)
     return values.reshape(shape, order="F" if fortran_order else "C")
 

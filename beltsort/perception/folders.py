@@ -56,9 +56,9 @@ def expect_two_classes(
     """
     classes = sorted(set(names))
     if len(classes) < 2:
-        first = f"; {len(skipped)} skipped, the first: {skipped[0].path}: {skipped[0].reason}" * bool(skipped)
+        first = [f"; {len(skipped)} skipped, the first: {s.path}: {s.reason}" for s in skipped[:1]]
         raise DatabaseError(
             f"{folder} gives training data of {len(classes)} classes {classes}, expected at least 2: "
-            f"put files that can be used into a sub-folder for each class{first}"
+            f"put files that can be used into a sub-folder for each class{''.join(first)}"
         )
     return classes

@@ -95,7 +95,7 @@ class NearestNeighbour:
             )
 
     def _check_settings(self) -> None:
-        if self.distance not in DISTANCES:
+        if self.distance not in tuple(DISTANCES):
             raise DatabaseError(f"distance is {self.distance!r}, expected one of {list(DISTANCES)}")
         if type(self.k) is not int or not 1 <= self.k <= self.labels.size:
             raise DatabaseError(
