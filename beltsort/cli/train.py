@@ -9,6 +9,7 @@ from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.clouds import ORIGIN, add_viewpoint
 from beltsort.cli.output import print_json, tell
+from beltsort.cli.progress import tenths
 from beltsort.perception.confusion import Confusion, confusion
 from beltsort.perception.distances import DISTANCES
 from beltsort.perception.leave_one_out import PERCENTILE, leave_one_out, rejection_threshold, with_rejection
@@ -126,6 +127,7 @@ def _trained(arguments: Namespace) -> Trained:
         arguments.folder,
         objects=OBJECTS if arguments.objects is None else arguments.objects,
         seed=SEED if arguments.seed is None else arguments.seed,
+        progress=tenths("scans"),
         **settings,
     )
 

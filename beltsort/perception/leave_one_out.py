@@ -49,6 +49,9 @@ def rejection_threshold(
 ) -> float | None:
     """Return a distance that only the farthest of a class's own entries exceed.
 
+    It is an observed one, so below 100 entries none exceeds it. New objects do more often, the fewer entries
+    there are and the more these resemble each other.
+
     Parameters
     ----------
     database

@@ -40,8 +40,8 @@ class NearestNeighbour:
     k
         Number of neighbours that vote. Many outvote a stray entry, and also a class with few entries.
     reject
-        A candidate whose class has no entry nearer than this gets no label; None: every candidate gets one.
-        `beltsort.perception.leave_one_out.rejection_threshold` finds one.
+        A candidate gets no label if every entry of the winning class is farther away than this; None: it
+        always gets one. `beltsort.perception.leave_one_out.rejection_threshold` finds a value.
 
     References
     ----------

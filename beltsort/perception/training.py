@@ -17,6 +17,8 @@ from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.segment import voxel_means
 from beltsort.perception.vfh import Histogram
 
+LARGEST_OBJECT = 2.0  # metres; a cloud beyond it is in other units, or a whole scene
+
 
 @dataclass(frozen=True, eq=False)
 class Trained:
@@ -53,10 +55,17 @@ def read_candidate(path: str | PathLike[str], config: PerceptionConfig) -> Point
     Raises
     ------
     CloudError
-        If the file cannot be read or shows too little to be labelled.
+        If the file cannot be read, shows too little to be labelled, or more than an object.
     """
     points = read_cloud(path)
-    candidate = voxel_means(points[np.isfinite(points).all(axis=1)], config.voxel)
+    finite = points[np.isfinite(points).all(axis=1)]
+    extent = np.ptp(finite, axis=0).max() if len(finite) else 0.0
+    if extent > LARGEST_OBJECT:
+        raise CloudError(
+            f"the cloud extends over {extent:g} m, expected an object of at most {LARGEST_OBJECT:g} m: give "
+            "coordinates in metres, and nothing but the object"
+        )
+    candidate = voxel_means(finite, config.voxel)
     if len(candidate) < config.fewest_labelled:
         raise CloudError(
             f"{len(points)} points in {len(candidate)} voxels of {config.voxel:g} m, expected at least "

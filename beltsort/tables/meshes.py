@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 
-import numpy as np
-
 from beltsort.cell.simulated import CellConfig
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.perception.folders import Skipped, class_folder, expect_two_classes, training_files
 from beltsort.perception.training import Trained
 from beltsort.tables.collect import Progress, collect_training
+
+UNSEEN = "no scan shows enough of it above the rim of its cup: give a larger mesh, in metres"
 
 
 def train_from_meshes(
@@ -55,19 +55,22 @@ def train_from_meshes(
     """
     meshes, skipped = _readable(training_files(folder))
     names = [class_folder(mesh, folder) or mesh.stem for mesh in meshes]
-    classes = expect_two_classes(names, folder, skipped)
+    expect_two_classes(names, folder, skipped)
     cell = CellConfig(
         classes=tuple(str(mesh) for mesh in meshes), meshes={str(mesh): str(mesh) for mesh in meshes}
     )
     scanned = collect_training(
         cell, perception, objects=objects, seed=seed, workers=workers, progress=progress
     )
-    class_of_mesh = np.array([classes.index(name) for name in names])
-    labels = class_of_mesh[scanned.labels]
+    found = set(scanned.labels.tolist())
+    skipped += [Skipped(mesh, UNSEEN) for label, mesh in enumerate(meshes) if label not in found]
+    entries = [names[label] for label in scanned.labels]
+    classes = expect_two_classes(entries, folder, skipped)
+    labels = [classes.index(name) for name in entries]
     database = NearestNeighbour.train(
         scanned.descriptors, labels, classes, scanned.config, distance=distance, k=k
     )
-    return Trained(database, tuple(meshes), tuple(skipped))
+    return Trained(database, tuple(meshes[label] for label in sorted(found)), tuple(skipped))
 
 
 def _readable(files: Sequence[Path]) -> tuple[list[Path], list[Skipped]]:

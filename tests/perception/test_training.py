@@ -52,7 +52,8 @@ def test_a_motion_of_clouds_and_viewpoint_changes_next_to_nothing(folder: Path, 
 
 def test_what_cannot_be_used_is_named_with_its_reason(folder: Path) -> None:
     np.save(folder / "long" / "two.npy", cloud("long", 0)[:2])
-    np.save(folder / "round" / "millimetres.npy", 1e-3 * cloud("round", 0))
+    np.save(folder / "round" / "kilometres.npy", 1e-3 * cloud("round", 0))
+    np.save(folder / "round" / "millimetres.npy", 1e3 * cloud("round", 0))
     (folder / "round" / "notes.txt").write_text("scanned on Tuesday")
     (folder / "round" / "cut.pcd").write_text("VERSION 0.7")
     np.save(folder / "stray.npy", cloud("long", 0))
@@ -63,7 +64,8 @@ def test_what_cannot_be_used_is_named_with_its_reason(folder: Path) -> None:
     assert len(trained.files) == 6
     for name, said in {
         "two.npy": "2 points in 2 voxels of 0.004 m, expected at least 40",
-        "millimetres.npy": "give coordinates in metres",
+        "kilometres.npy": "give coordinates in metres",
+        "millimetres.npy": "expected an object of at most 2 m",
         "notes.txt": "suffix '.txt'",
         "cut.pcd": "DATA",
         "stray.npy": "lies in no sub-folder",
