@@ -41,7 +41,7 @@ class NearestNeighbour:
         Number of neighbours that vote. Many outvote a stray entry, and also a class with few entries.
     reject
         A candidate gets no label if every entry of the winning class is farther away than this; None: it
-        always gets one. `beltsort.perception.leave_one_out.rejection_threshold` finds a value.
+        always gets one. `rejection_threshold` finds a value.
 
     References
     ----------

@@ -248,3 +248,24 @@ def test_headers_of_any_json_are_loaded_or_refused(path: Path, changes: dict[str
     database(n=3).save(path)
     changed_header(path, **changes)
     load_or_refuse(path)
+
+
+@settings(deadline=None, max_examples=100)
+@given(
+    st.sampled_from(["descriptors.npy", "labels.npy", "header.npy"]),
+    st.lists(st.tuples(st.integers(0, 200), st.integers(0, 255)), min_size=1, max_size=4),
+    st.integers(0, 3),
+)
+def test_mutated_members_with_a_right_checksum_are_loaded_or_refused(
+    path: Path, name: str, changes: list[tuple[int, int]], cut: int
+) -> None:
+    database(n=3).save(path)
+    with ZipFile(path) as archive:
+        members = {entry: bytearray(archive.read(entry)) for entry in archive.namelist()}
+    for at, value in changes:
+        members[name][at % len(members[name])] = value
+    del members[name][len(members[name]) - cut :]
+    with ZipFile(path, "w") as archive:
+        for entry, content in members.items():
+            archive.writestr(entry, bytes(content))
+    load_or_refuse(path)

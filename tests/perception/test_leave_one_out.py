@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from beltsort.errors import DatabaseError
-from beltsort.perception import NearestNeighbour
-from beltsort.perception.confusion import confusion
-from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold, with_rejection
+from beltsort.perception import NearestNeighbour, confusion, leave_one_out, rejection_threshold
+from beltsort.perception.leave_one_out import with_rejection
 
 from .databases import CLASSES, database
 
@@ -54,10 +53,10 @@ def test_the_threshold_is_a_distance_that_so_many_of_a_class_keep() -> None:
 
 
 def test_the_threshold_rejects_no_known_entry_of_a_small_database() -> None:
-    trained = line([0.0, 1.0, 10.0, 13.0, 50.0, 51.0], [0, 0, 1, 1, 2, 2])
+    trained = line([0.0, 1.0, 10.0, 13.0, 17.0, 50.0, 51.0], [0, 0, 1, 1, 1, 2, 2])
     left_out = leave_one_out(trained)
     threshold = rejection_threshold(trained, left_out)
-    assert threshold == 3.0
+    assert threshold == 4.0
     rejecting, answers = with_rejection(trained, left_out, threshold)
     assert [match.label for match in answers] == trained.labels.tolist()
     far = np.zeros(308)

@@ -1,6 +1,7 @@
-"""Any classifier labels scans: one of a user's own goes through the pipeline."""
+"""Any classifier labels scans: one of a user's own goes through the pipeline, and one that rejects."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import beltsort
 from beltsort.geometry import BeltLayout, Points
 from beltsort.perception import Classifier, Match, Perception, PerceptionConfig
 from tests.perception.belt_scene import Scene
+from tests.perception.test_pipeline import trained
 
 LAYOUT = BeltLayout()
 
@@ -43,6 +45,13 @@ def test_what_it_does_not_know_is_no_empty_place() -> None:
     unknown, empty = perceived(ByHeight(), (0.03, 0.03, 0.09))
     assert (unknown.label, unknown.empty) == (None, False)
     assert (empty.label, empty.empty) == (None, True)
+
+
+def test_a_database_that_rejects_leaves_the_object_without_a_label() -> None:
+    known = perceived(trained(), (0.015, 0.015, 0.05))[0]
+    unknown = perceived(replace(trained(), reject=1e-9), (0.015, 0.015, 0.05))[0]
+    assert (known.label, unknown.label, unknown.empty) == (1, None, False)
+    assert (unknown.distance, unknown.runner_up) == (known.distance, known.runner_up)
 
 
 def test_it_takes_the_configuration_that_is_given() -> None:
