@@ -17,7 +17,7 @@ help:  ## this list
 	@echo 'make TARGET, with ARGS="..." for the demo and PYTHON=python3.12 to choose the interpreter of a new .venv'
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile
 
-venv: .venv/ready  ## .venv with every package, and the system libraries of Open3D
+venv: .venv/dev-ready  ## .venv with every package, and the system libraries of Open3D
 build: $(extension)  ## the Rust extension, optimised, and beltsort importable in .venv
 
 demo: build  ## run the main job: beltsort demo $(ARGS)
@@ -32,18 +32,18 @@ lint-rust: venv  ## clippy and rustfmt
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo fmt --all --check
 
-test-python: build  ## pytest
+test-python: build venv  ## pytest
 	$(bin)/python -m pytest
 
 lint-python: venv  ## ruff
 	$(bin)/ruff check
 	$(bin)/ruff format --check
 
-types: build  ## mypy, and the stub of the extension against the real thing
+types: build venv  ## mypy, and the stub of the extension against the real thing
 	$(bin)/python -m mypy
 	$(bin)/python -m mypy.stubtest beltsort._core
 
-bench: build  ## criterion and pytest-benchmark; on an idle machine
+bench: build venv  ## criterion and pytest-benchmark; on an idle machine
 	cargo bench
 	$(bin)/python -m pytest benchmarks --benchmark-enable
 
@@ -60,6 +60,10 @@ clean:  ## remove everything made by this file (runs/ stays)
 
 .venv/ready: pyproject.toml scripts/bootstrap
 	bash scripts/bootstrap
+	@touch $@
+
+.venv/dev-ready: .venv/ready
+	bash scripts/bootstrap dev
 	@touch $@
 
 $(extension): .venv/ready $(rust_sources)

@@ -10,9 +10,21 @@ from argparse import ArgumentParser
 from collections.abc import Sequence
 
 from beltsort import BeltsortError, __version__
-from beltsort.cli import bench, compare, demo, evaluate, export, info, plan, solve, viewpoints
+from beltsort.cli import (
+    bench,
+    classify,
+    compare,
+    demo,
+    evaluate,
+    export,
+    info,
+    plan,
+    solve,
+    train,
+    viewpoints,
+)
 
-COMMANDS = (demo, info, plan, evaluate, compare, solve, export, bench, viewpoints)
+COMMANDS = (demo, info, plan, evaluate, compare, solve, export, bench, viewpoints, train, classify)
 FAILED, INTERRUPTED = 2, 130
 
 

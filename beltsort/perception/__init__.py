@@ -1,21 +1,33 @@
 """From depth scans to class labels: candidates, viewpoint feature histograms, nearest neighbours."""
 
-from beltsort.perception.classifier import Match, NearestNeighbour
+from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.clouds import read_cloud
 from beltsort.perception.config import PerceptionConfig
-from beltsort.perception.pipeline import Perceived, Perception, describe
+from beltsort.perception.confusion import Confusion, confusion
+from beltsort.perception.descriptor import describe
+from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold
+from beltsort.perception.nearest import NearestNeighbour
+from beltsort.perception.pipeline import Perceived, Perception
 from beltsort.perception.segment import Segmented, segment
+from beltsort.perception.training import Trained, train_from_clouds
 from beltsort.perception.vfh import vfh
 
 __all__ = [
+    "Classifier",
+    "Confusion",
     "Match",
     "NearestNeighbour",
     "Perceived",
     "Perception",
     "PerceptionConfig",
     "Segmented",
+    "Trained",
+    "confusion",
     "describe",
+    "leave_one_out",
     "read_cloud",
+    "rejection_threshold",
     "segment",
+    "train_from_clouds",
     "vfh",
 ]

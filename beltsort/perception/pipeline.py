@@ -2,15 +2,12 @@
 
 from dataclasses import dataclass, fields
 
-from numpy.typing import ArrayLike
-
 from beltsort.errors import DatabaseError
 from beltsort.geometry import BeltLayout, Points
-from beltsort.perception.classifier import NearestNeighbour
+from beltsort.perception.classifier import Classifier
 from beltsort.perception.config import PerceptionConfig
-from beltsort.perception.normals import oriented_normals
+from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.segment import DepthScan, segment
-from beltsort.perception.vfh import Histogram, vfh
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,11 +21,10 @@ class Perceived:
     points
         The candidate, shape (n, 3), world frame, metres; None if the position is empty.
     label
-        Class index, or None: the position is empty, or too little of the object shows.
-    distance
-        Distance of the candidate's descriptor to the nearest one in the database; None without a label.
-    runner_up
-        Distance to the nearest one of another class, infinite if there is none; None without a label.
+        Class index, or None: the position is empty, too little of the object shows, or the classifier knows
+        nothing like it.
+    distance, runner_up
+        As in `Match`; None where nothing was classified, or by a classifier that measures none.
     """
 
     position: int
@@ -43,29 +39,6 @@ class Perceived:
         return self.points is None
 
 
-def describe(points: ArrayLike, camera: ArrayLike, config: PerceptionConfig | None = None) -> Histogram:
-    """Return the descriptor of a candidate, shape (308,).
-
-    Parameters
-    ----------
-    points
-        Shape (n, 3), metres.
-    camera
-        The camera's position in the same frame, shape (3,).
-    config
-        Settings; default `PerceptionConfig()`.
-
-    Raises
-    ------
-    CloudError
-        If the shapes do not fit, a value is no finite number, there are fewer than three points, or
-        the camera is their centroid.
-    """
-    config = config or PerceptionConfig()
-    normals = oriented_normals(points, camera, config.normal_neighbours)
-    return vfh(points, normals, viewpoint=camera, size_component=config.size_component)
-
-
 class Perception:
     """Labels what stands at each belt position.
 
@@ -74,9 +47,10 @@ class Perception:
     layout
         Where the objects stand.
     classifier
-        The trained database.
+        A trained database, or any other `Classifier`.
     config
-        Must equal the one that the database was trained with, which is the default.
+        Must equal the one that a database was trained with, which is the default; `PerceptionConfig()` with
+        another classifier.
 
     Raises
     ------
@@ -85,13 +59,15 @@ class Perception:
     """
 
     def __init__(
-        self, layout: BeltLayout, classifier: NearestNeighbour, config: PerceptionConfig | None = None
+        self, layout: BeltLayout, classifier: Classifier, config: PerceptionConfig | None = None
     ) -> None:
-        config = config or classifier.config
+        trained = classifier.config if isinstance(classifier, NearestNeighbour) else config
+        trained = trained or PerceptionConfig()
+        config = config or trained
         differing = [
-            f"{f.name} {getattr(config, f.name)} (database: {getattr(classifier.config, f.name)})"
+            f"{f.name} {getattr(config, f.name)} (database: {getattr(trained, f.name)})"
             for f in fields(PerceptionConfig)
-            if getattr(config, f.name) != getattr(classifier.config, f.name)
+            if getattr(config, f.name) != getattr(trained, f.name)
         ]
         if differing:
             raise DatabaseError(
@@ -116,5 +92,5 @@ class Perception:
     def _perceive(self, position: int, points: Points | None, camera: Points) -> Perceived:
         if points is None or len(points) < self.config.fewest_labelled:
             return Perceived(position, points)
-        match = self.classifier.match(describe(points, camera, self.config))
+        match = self.classifier.classify(points, camera)
         return Perceived(position, points, match.label, match.distance, match.runner_up)

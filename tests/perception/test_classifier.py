@@ -1,22 +1,15 @@
-"""The database: chi-square nearest neighbour, and files that keep it or say why not."""
+"""The database: nearest neighbours, their votes, and what is refused."""
 
-import json
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from beltsort.errors import DatabaseError
-from beltsort.perception import NearestNeighbour, PerceptionConfig
+from beltsort.perception import NearestNeighbour
 
-CLASSES = ["a", "b", "c"]
-
-
-def database(seed: int = 0, n: int = 12) -> NearestNeighbour:
-    rng = np.random.default_rng(seed)
-    rows = rng.gamma(0.5, size=(n, 308)) * (rng.random((n, 308)) < 0.3)
-    return NearestNeighbour.train(rows, np.arange(n) % 3, CLASSES, PerceptionConfig(voxel=0.004))
+from .databases import CLASSES, database
 
 
 def test_chi_square_by_hand() -> None:
@@ -54,66 +47,6 @@ def test_one_class_has_no_runner_up() -> None:
     assert alone.match(np.zeros(308)).runner_up == np.inf
 
 
-def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
-    saved = database()
-    saved.save(tmp_path / "bulbs.npz")
-    loaded = NearestNeighbour.load(tmp_path / "bulbs.npz")
-    assert np.array_equal(loaded.descriptors, saved.descriptors)
-    assert np.array_equal(loaded.labels, saved.labels)
-    assert (loaded.classes, loaded.config) == (saved.classes, saved.config)
-
-
-@pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.99])
-def test_a_truncated_file_is_a_database_error(tmp_path: Path, share: float) -> None:
-    path = tmp_path / "bulbs.npz"
-    database().save(path)
-    content = path.read_bytes()
-    path.write_bytes(content[: int(share * len(content))])
-    with pytest.raises(DatabaseError, match=r"bulbs\.npz"):
-        NearestNeighbour.load(path)
-
-
-def test_a_flipped_byte_in_the_descriptors_is_a_database_error(tmp_path: Path) -> None:
-    path = tmp_path / "bulbs.npz"
-    database().save(path)
-    content = bytearray(path.read_bytes())
-    for at in range(200, 1200, 100):
-        damaged = bytearray(content)
-        damaged[at] ^= 0xFF
-        path.write_bytes(damaged)
-        with pytest.raises(DatabaseError):
-            NearestNeighbour.load(path)
-
-
-@pytest.mark.parametrize("name", ["missing.npz", "."])
-def test_no_file_is_a_database_error(tmp_path: Path, name: str) -> None:
-    with pytest.raises(DatabaseError, match="cannot read"):
-        NearestNeighbour.load(tmp_path / name)
-    with pytest.raises(DatabaseError, match="cannot write"):
-        database().save(tmp_path / "no" / "folder" / name)
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [("version", 2), ("classes", ["a"]), ("config", {"voxel": 1.0, "unknown": 2}), ("config", None)],
-)
-def test_a_header_that_does_not_fit_is_a_database_error(tmp_path: Path, field: str, value: object) -> None:
-    path = tmp_path / "bulbs.npz"
-    database().save(path)
-    arrays: dict[str, Any] = dict(np.load(path))
-    arrays["header"] = np.array(json.dumps({**json.loads(str(arrays["header"])), field: value}))
-    np.savez(path, **arrays)
-    with pytest.raises(DatabaseError, match="train again"):
-        NearestNeighbour.load(path)
-
-
-def test_pickled_objects_are_refused(tmp_path: Path) -> None:
-    path = tmp_path / "bulbs.npz"
-    np.savez(path, descriptors=np.array([object()]), labels=np.array([0]), header=np.array("{}"))
-    with pytest.raises(DatabaseError, match="allow_pickle"):
-        NearestNeighbour.load(path)
-
-
 @pytest.mark.parametrize(
     ("rows", "labels", "said"),
     [
@@ -145,7 +78,7 @@ def test_training_copies_the_descriptors() -> None:
 
 def test_a_list_is_matched_like_an_array() -> None:
     query = database(seed=1).descriptors[0]
-    assert database().match(query.tolist()) == database().match(query)
+    assert database().match(query.tolist()).distance == database().match(query).distance
 
 
 @pytest.mark.parametrize(
@@ -161,3 +94,66 @@ def test_a_list_is_matched_like_an_array() -> None:
 def test_what_is_no_descriptor_is_refused(descriptor: Any, said: str) -> None:
     with pytest.raises(DatabaseError, match=said):
         database().match(descriptor)
+
+
+def one_bin(values: list[float], labels: list[int], **settings: Any) -> NearestNeighbour:
+    rows = np.zeros((len(values), 308))
+    rows[:, 0] = values
+    return NearestNeighbour.train(rows, labels, CLASSES, distance="l1", **settings)
+
+
+QUERY = np.eye(1, 308)[0] * 10.0
+
+
+def test_the_majority_of_the_k_nearest_wins() -> None:
+    values, labels = [10.5, 11.0, 11.5, 20.0], [0, 1, 1, 2]
+    match = one_bin(values, labels, k=3).match(QUERY)
+    assert match.label == 1
+    assert match.scores.tolist() == pytest.approx([1 / 3, 2 / 3, 0.0])
+    assert match.distances is not None
+    assert match.distances.tolist() == [0.5, 1.0, 10.0]
+    assert (match.ranking, match.distance, match.runner_up) == ((1, 0, 2), 1.0, 0.5)
+    assert one_bin(values, labels, k=1).match(QUERY).label == 0
+
+
+def test_of_equally_many_votes_those_with_the_nearest_win() -> None:
+    assert one_bin([11.0, 10.5, 10.7, 11.1], [1, 2, 1, 2], k=4).match(QUERY).label == 2
+    assert one_bin([11.0, 10.5, 10.7], [0, 2, 1], k=3).match(QUERY).label == 2
+
+
+def test_entries_equally_near_vote_in_their_order() -> None:
+    assert one_bin([11.0, 9.0, 11.0], [1, 1, 0], k=2).match(QUERY).scores.tolist() == [0.0, 1.0, 0.0]
+
+
+def test_without_ties_one_neighbour_is_the_nearest() -> None:
+    trained = database()
+    for query in database(seed=2).descriptors:
+        match = replace(trained, k=1).match(query)
+        assert match.distances is not None
+        assert match.label == match.distances.argmin()
+
+
+def test_a_cloud_like_nothing_known_gets_no_label() -> None:
+    near, far = (one_bin([11.0, 15.0], [0, 1], reject=reject).match(QUERY) for reject in (1.0, 0.9))
+    assert (near.label, near.distance) == (0, 1.0)
+    assert (far.label, far.distance, far.ranking[0]) == (None, 1.0, 0)
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"distance": "cosine"}, "distance is 'cosine', expected one of .*chi2"),
+        ({"distance": ["l1"]}, "distance is .*'l1'.*expected one of"),
+        ({"k": 0}, "k is 0, expected an integer from 1 to 12"),
+        ({"k": 13}, "k is 13, expected an integer from 1 to 12"),
+        ({"k": 1.0}, "k is 1.0, expected an integer"),
+        ({"k": True}, "k is True, expected an integer"),
+        ({"reject": 0.0}, "reject is 0.0, expected a finite distance above 0"),
+        ({"reject": np.nan}, "reject is nan"),
+        ({"reject": np.inf}, "reject is inf"),
+        ({"classes": ("a", "b", "b")}, "none twice"),
+    ],
+)
+def test_settings_without_sense_are_refused(settings: dict[str, Any], said: str) -> None:
+    with pytest.raises(DatabaseError, match=said):
+        replace(database(), **settings)

@@ -1,0 +1,71 @@
+"""`beltsort classify`: which class a cloud is of."""
+
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.clouds import ORIGIN, add_viewpoint
+from beltsort.cli.output import print_json, print_table
+from beltsort.errors import CloudError
+from beltsort.geometry import Points
+from beltsort.perception.classifier import Match
+from beltsort.perception.nearest import NearestNeighbour
+from beltsort.perception.training import read_candidate
+from beltsort.text import number_or_none
+
+DISTANCES = ("distance", "runner_up_distance")
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "classify",
+        help="label clouds with a trained classifier",
+        description="Label clouds, each of a single object (.pcd, .ply, .xyz, .npy; metres).",
+    )
+    parser.add_argument("database", metavar="DB", help="what `beltsort train` wrote")
+    parser.add_argument("clouds", metavar="CLOUD", nargs="+", type=Path, help="a file")
+    add_viewpoint(parser)
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Label and print."""
+    database = NearestNeighbour.load(arguments.database)
+    camera = np.array(arguments.viewpoint or ORIGIN)
+    answers = [_answer(database, cloud, camera) for cloud in arguments.clouds]
+    if arguments.json:
+        print_json({"command_line": arguments.command_line, "clouds": answers})
+    else:
+        print_table([["cloud", "label", "distance", "runner-up", "distance"], *map(_row, answers)])
+    return 0
+
+
+def _answer(database: NearestNeighbour, cloud: Path, camera: Points) -> dict[str, Any]:
+    try:
+        match = database.classify(read_candidate(cloud, database.config), camera)
+    except CloudError as reason:
+        raise CloudError(f"{cloud}: {reason}") from reason
+    return {"cloud": str(cloud), **_as_json(match, database.classes)}
+
+
+def _as_json(match: Match, classes: tuple[str, ...]) -> dict[str, Any]:
+    best, *others = (classes[label] for label in match.ranking)
+    measured = zip(DISTANCES, (match.distance, match.runner_up), strict=True)
+    return {
+        "label": None if match.label is None else best,
+        "nearest": best,
+        "runner_up": others[0] if others else None,
+        **{name: None if value is None else number_or_none(value) for name, value in measured},
+        "scores": dict(zip(classes, match.scores.tolist(), strict=True)),
+    }
+
+
+def _row(answer: dict[str, Any]) -> list[str]:
+    label = answer["label"] or f"none (nearest: {answer['nearest']})"
+    distances = ["-" if answer[name] is None else f"{answer[name]:.4g}" for name in DISTANCES]
+    return [answer["cloud"], label, distances[0], answer["runner_up"] or "-", distances[1]]

@@ -1,0 +1,89 @@
+"""The file of a database: a .npz without pickled objects, of which nothing is believed before it is checked.
+
+A member is read only if the sizes that the archive and the array's header declare agree and are within
+bounds, so a damaged or hostile file cannot make memory overflow.
+"""
+
+import json
+from collections.abc import Mapping
+from io import BytesIO
+from os import PathLike
+from pathlib import Path
+from typing import Any
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beltsort.errors import DatabaseError
+from beltsort.perception.vfh import LENGTH
+
+VERSION = 2
+READABLE = (1, 2)  # version 1 knew one neighbour, chi-square distance and no rejection
+MOST_ENTRIES = 100_000
+LONGEST_HEADER = 2**20  # bytes
+NPY_PREAMBLE = 2**14  # bytes, at most, before the values of an array
+
+Arrays = tuple[NDArray[np.float64], NDArray[np.int64], dict[str, Any]]
+
+
+def write_database(
+    path: str | PathLike[str],
+    descriptors: NDArray[np.float64],
+    labels: NDArray[np.int64],
+    header: Mapping[str, Any],
+) -> None:
+    """Write descriptors, shape (n, 308), labels, shape (n,), and what is JSON beside them.
+
+    Raises
+    ------
+    DatabaseError
+        If the file cannot be written.
+    """
+    text = json.dumps({"version": VERSION, **header}, allow_nan=False)
+    try:
+        with Path(path).open("wb") as file:
+            np.savez_compressed(file, descriptors=descriptors, labels=labels, header=np.array(text))
+    except OSError as reason:
+        raise DatabaseError(f"cannot write {path}: {reason}; choose a writable path") from reason
+
+
+def read_database(path: str | PathLike[str]) -> Arrays:
+    """Read what `write_database` wrote, in this version or an earlier one of `READABLE`.
+
+    Raises
+    ------
+    Exception
+        Of any kind, if the file is missing, damaged, of another version, or no database.
+    """
+    with ZipFile(Path(path)) as archive:
+        header = json.loads(str(_member(archive, "header", "U", LONGEST_HEADER)))
+        if header["version"] not in READABLE:
+            raise ValueError(f"its version is {header['version']!r}, expected one of {READABLE}")
+        descriptors = _member(archive, "descriptors", "f8", 8 * MOST_ENTRIES * LENGTH)
+        labels = _member(archive, "labels", "i8", 8 * MOST_ENTRIES)
+    return descriptors, labels, header
+
+
+def _member(archive: ZipFile, name: str, kind: str, most: int) -> NDArray[Any]:
+    """Return one array of numbers or text, of at most `most` bytes."""
+    entry = archive.getinfo(f"{name}.npy")
+    if entry.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+        raise ValueError(f"{name} is packed by method {entry.compress_type}, expected plain or deflated")
+    if entry.file_size > most + NPY_PREAMBLE:
+        raise ValueError(f"{name} unpacks to {entry.file_size} bytes, expected at most {most}")
+    file = BytesIO(archive.read(entry))
+    shape, fortran_order, dtype = _array_header(file)
+    if not dtype.str[1:].startswith(kind):
+        raise ValueError(f"{name} holds {dtype}, expected {kind!r} and never pickled objects")
+    values = np.frombuffer(file.getbuffer()[file.tell() :], dtype)
+    return values.reshape(shape, order="F" if fortran_order else "C")
+
+
+def _array_header(file: BytesIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    version = np.lib.format.read_magic(file)
+    if version == (1, 0):
+        return np.lib.format.read_array_header_1_0(file)
+    if version == (2, 0):
+        return np.lib.format.read_array_header_2_0(file)
+    raise ValueError(f"an array of format {version}, expected (1, 0) or (2, 0)")

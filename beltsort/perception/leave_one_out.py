@@ -1,0 +1,86 @@
+"""How good a database is on its own entries: each one classified by all the others.
+
+Views of one object, or parts of one scan, are near each other: on objects that it has never seen, a database
+errs more often than here.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from beltsort.errors import DatabaseError
+from beltsort.perception.classifier import Match
+from beltsort.perception.distances import distances_to
+from beltsort.perception.nearest import NearestNeighbour
+
+PERCENTILE = 99.0
+
+
+def leave_one_out(database: NearestNeighbour) -> list[Match]:
+    """Return the answer for every entry by all the others.
+
+    Memory grows with their number, time with its square.
+
+    Raises
+    ------
+    DatabaseError
+        If there is but one entry.
+
+    Examples
+    --------
+    >>> descriptors = np.eye(4, 308) + np.eye(4, 308)[[1, 0, 3, 3]]
+    >>> database = NearestNeighbour.train(descriptors, [0, 0, 1, 0], ["bulb", "cup"])
+    >>> [match.label for match in leave_one_out(database)]
+    [0, 0, 0, 1]
+    """
+    if len(database.labels) < 2:
+        raise DatabaseError("the database has 1 entry, expected at least 2: train on more clouds")
+    used = database.bins.any(axis=1)
+    bins, matches = database.bins[used], []
+    for i, descriptor in enumerate(database.descriptors[:, used]):
+        distances = distances_to(database.distance, bins, descriptor)
+        distances[i] = np.inf
+        matches.append(database.vote(distances))
+    return matches
+
+
+def rejection_threshold(
+    database: NearestNeighbour, left_out: list[Match], percentile: float = PERCENTILE
+) -> float | None:
+    """Return a distance that only the farthest of a class's own entries exceed.
+
+    It is an observed one, so below 100 entries none exceeds it. New objects do more often, the fewer entries
+    there are and the more these resemble each other.
+
+    Parameters
+    ----------
+    database
+        The database.
+    left_out
+        What `leave_one_out` returned for it.
+    percentile
+        So many of 100 entries lie within it of another entry of their class. Low, and known objects go
+        without a label; high, and unknown ones get one.
+
+    Returns
+    -------
+    float or None
+        For `NearestNeighbour.reject`; None if no class has two different entries.
+    """
+    own = np.array(
+        [
+            np.inf if match.distances is None else match.distances[label]
+            for match, label in zip(left_out, database.labels, strict=True)
+        ]
+    )
+    shared = own[np.isfinite(own)]
+    threshold = float(np.percentile(shared, percentile, method="higher")) if shared.size else 0.0
+    return threshold if threshold > 0.0 else None
+
+
+def with_rejection(
+    database: NearestNeighbour, left_out: list[Match], reject: float | None
+) -> tuple[NearestNeighbour, list[Match]]:
+    """Return the same database with a rejection threshold, and what leaving one out then gives."""
+    labelled = [replace(match, label=match.ranking[0]) for match in left_out]
+    return replace(database, reject=reject), [match.within(reject) for match in labelled]

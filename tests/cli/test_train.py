@@ -1,0 +1,165 @@
+"""beltsort train and beltsort classify."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from beltsort.cli import main
+from beltsort.perception import NearestNeighbour
+from beltsort.perception.training import read_candidate, train_from_clouds
+from tests.perception.cloud_folders import SHAPES, cloud, cloud_folder
+
+from .running import command, json_of, output
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = cloud_folder(tmp_path_factory.mktemp("clouds"))
+    (folder / "round" / "notes.txt").touch()
+    return folder
+
+
+@pytest.fixture(scope="module")
+def database(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("database") / "shapes.npz"
+    train_from_clouds(folder).database.save(path)
+    return str(path)
+
+
+@pytest.fixture
+def unknown(tmp_path: Path) -> str:
+    np.save(tmp_path / "unknown.npy", cloud("round", 8) * [3.0, 0.2, 1.0])
+    return str(tmp_path / "unknown.npy")
+
+
+def test_train_writes_what_the_library_trains(folder: Path, tmp_path: Path) -> None:
+    path = tmp_path / "shapes.npz"
+    done = command("train", str(folder), "-o", str(path), "--distance", "l2", "-k", "3", "--reject", "auto")
+    assert done.returncode == 0
+    assert done.stderr.startswith(f"skipped {folder / 'round' / 'notes.txt'}: ")
+    assert f"{path}: 6 entries of 2 classes, distance l2, k = 3\n" in done.stdout
+    assert "6 of 6 are right (100.0 %)" in done.stdout
+    written, expected = NearestNeighbour.load(path), train_from_clouds(folder, distance="l2", k=3).database
+    np.testing.assert_array_equal(written.descriptors, expected.descriptors)
+    assert (written.distance, written.k, written.classes) == ("l2", 3, ("long", "round"))
+    assert f"Beyond distance {written.reject:g} there is no label." in done.stdout
+
+
+def test_train_as_json(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train", str(folder), "-o", str(tmp_path / "a.npz"), "--reject", "0.5", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["entries"], facts["files"], facts["classes"]) == (6, 6, list(SHAPES))
+    assert facts["reject"] == NearestNeighbour.load(tmp_path / "a.npz").reject == 0.5
+    assert facts["suggested_reject"] > 0.5
+    assert facts["confusion"] == [[0, 0, 3], [0, 0, 3]]
+    assert (facts["right"], facts["recall"]) == (0, {"long": 0.0, "round": 0.0})
+    assert [skipped["file"] for skipped in facts["skipped"]] == [str(folder / "round" / "notes.txt")]
+
+
+def test_the_figure_is_a_picture(folder: Path, tmp_path: Path) -> None:
+    arguments = ["train", str(folder), "-o", str(tmp_path / "a.npz"), "--figure", str(tmp_path / "a.png")]
+    assert main(arguments) == 0
+    assert matplotlib.image.imread(tmp_path / "a.png").std() > 0.1
+
+
+def test_classify_says_the_same_as_the_library(folder: Path, database: str) -> None:
+    clouds = [str(folder / name / "0.npy") for name in SHAPES]
+    trained = NearestNeighbour.load(database)
+    for name, answer in zip(SHAPES, json_of("classify", database, *clouds)["clouds"], strict=True):
+        assert (answer["label"], answer["nearest"], answer["distance"]) == (name, name, 0.0)
+        candidate = read_candidate(answer["cloud"], trained.config)
+        match = trained.classify(candidate, np.zeros(3))
+        assert answer["runner_up"] == trained.classes[match.ranking[1]] != name
+        assert answer["runner_up_distance"] == match.runner_up
+        assert list(answer["scores"].values()) == match.scores.tolist()
+
+
+def test_classify_in_words(folder: Path, database: str, tmp_path: Path, unknown: str) -> None:
+    known = str(folder / "long" / "0.npy")
+    assert "long         0      round" in output("classify", database, known)
+    rejecting = str(tmp_path / "rejecting.npz")
+    assert main(["train", str(folder), "-o", rejecting, "--reject", "auto"]) == 0
+    text = output("classify", rejecting, known, unknown)
+    assert "none (nearest: " in text.splitlines()[2]
+
+
+def test_where_the_camera_stood_counts(folder: Path, database: str) -> None:
+    known = str(folder / "long" / "0.npy")
+    (elsewhere,) = json_of("classify", database, known, "--viewpoint=-1,0,0")["clouds"]
+    assert elsewhere["distance"] > 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["train", "absent", "-o", "a.npz"], "absent is no folder"),
+        (["train", ".", "-o", "a.npz"], ". holds no file, expected some in a sub-folder"),
+        (["train", "{folder}", "-o", "no/a.npz"], "no is no folder, so no/a.npz cannot be written"),
+        (["train", "{folder}", "-o", "a.npz", "--figure", "a.jpg"], "a.jpg does not end in .png"),
+        (["train", "{folder}", "-o", "a.npz", "-k", "7"], "k is 7, expected an integer from 1 to 6"),
+        (["train", "{folder}", "-o", "a.npz", "--seed", "1"], "--seed means nothing without --meshes"),
+        (["train", "{folder}", "-o", "a.npz", "--meshes", "--viewpoint", "0,0,1"], "means nothing with"),
+        (["train", "{folder}/long", "-o", "a.npz"], "0 classes [], expected at least 2"),
+        (["train", "{folder}", "-o", "a.npz", "--meshes"], "0 classes [], expected at least 2"),
+        (["classify", "absent.npz", "{known}"], "cannot read the database absent.npz"),
+        (["classify", "{known}", "{known}"], "expected a .npz file that NearestNeighbour.save wrote"),
+        (["classify", "{database}", "absent.npy"], "cannot read absent.npy"),
+        (["classify", "{database}", "{folder}/round/notes.txt"], "has suffix '.txt', expected one of"),
+        (["classify", "{database}", "{two}"], "2 points in 2 voxels of 0.004 m, expected at least 40"),
+    ],
+)
+def test_errors_are_one_line(
+    arguments: list[str],
+    said: str,
+    folder: Path,
+    database: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    two = tmp_path.parent / "two.npy"
+    np.save(two, np.eye(3)[:2])
+    names: dict[str, Any] = {"folder": folder, "database": database, "two": two}
+    known = folder / "long" / "0.npy"
+    monkeypatch.chdir(tmp_path)
+    assert main([argument.format(known=known, **names) for argument in arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.splitlines()[-1].startswith("beltsort: error: ")
+    assert said in captured.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_rejection_without_two_clouds_of_a_class(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = cloud_folder(tmp_path / "clouds", each=1)
+    path = tmp_path / "a.npz"
+    assert main(["train", str(folder), "-o", str(path), "--reject", "auto"]) == 2
+    assert "no class has two different entries" in capsys.readouterr().err
+    assert not path.exists()
+    assert main(["train", str(folder), "-o", str(path)]) == 0
+    assert "--reject" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--reject", "far"],
+        ["--reject", "0"],
+        ["--reject", "nan"],
+        ["--viewpoint", "0,0"],
+        ["--viewpoint", "0,0,inf"],
+        ["--viewpoint", "a,b,c"],
+        ["--distance", "cosine"],
+    ],
+)
+def test_wrong_usage(options: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["train", "clouds", "-o", "a.npz", *options])
+    assert stopped.value.code == 2
+    assert "expected" in capsys.readouterr().err or options[0] == "--distance"
