@@ -4,7 +4,7 @@ The loop changes its state in one way only: it writes an entry, then applies it.
 any moment is brought back by applying what it wrote.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from enum import Enum
 from typing import Any
@@ -25,6 +25,22 @@ class Owed(Enum):
     """Scan from where the camera stands."""
     ADVANCE = "advance"
     """Bring the next object to the belt end."""
+
+
+def model_of(entries: Sequence[Entry]) -> SortingModel:
+    """Return the model of a run, from its entries.
+
+    Raises
+    ------
+    JournalError
+        If they begin with neither a start nor a snapshot.
+    """
+    first = entries[0]
+    if first.kind not in ("start", "snapshot"):
+        raise JournalError(
+            f"the journal begins with {first.kind!r}, expected 'start' or 'snapshot': it is damaged"
+        )
+    return SortingModel.from_json(first.data["model"])
 
 
 @dataclass(frozen=True)
@@ -114,6 +130,20 @@ class Progress:
     def at_start(cls, model: SortingModel) -> "Progress":
         """Return the state before the first entry."""
         return cls(model, Belief(model), visible=[Seen() for _ in range(model.positions)])
+
+    @classmethod
+    def after(cls, entries: Sequence[Entry]) -> "Progress":
+        """Return the state after the entries of a run, from its start or a snapshot on.
+
+        Raises
+        ------
+        JournalError
+            If they begin with anything else, or cannot follow each other.
+        """
+        progress = cls.at_start(model_of(entries))
+        for entry in entries:
+            progress.apply(entry)
+        return progress
 
     @property
     def done(self) -> bool:

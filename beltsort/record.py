@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-from beltsort._core import SortingModel
-from beltsort.errors import JournalError
 from beltsort.journal import Journal, read_journal
 from beltsort.progress import Progress
 
@@ -39,12 +37,4 @@ def progress_in(path: Path) -> Progress:
     JournalError
         If the journal is missing or damaged, or begins in the middle of nowhere.
     """
-    entries = read_journal(path)
-    if entries[0].kind not in ("start", "snapshot"):
-        raise JournalError(
-            f"{path} begins with {entries[0].kind!r}, expected 'start' or 'snapshot'; it is damaged"
-        )
-    progress = Progress.at_start(SortingModel.from_json(entries[0].data["model"]))
-    for entry in entries:
-        progress.apply(entry)
-    return progress
+    return Progress.after(read_journal(path))

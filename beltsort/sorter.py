@@ -72,6 +72,7 @@ def sort_objects(
         run=uuid4().hex[:8],
         objects=objects,
         model=model.to_json(),
+        planner=_settings(policy),
         beltsort=beltsort.__version__,
     )
 
@@ -113,7 +114,7 @@ def resume_sorting(
     """
     record = Record(journal, progress_in(journal.path))
     loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator)
-    return loop.run("resume", beltsort=beltsort.__version__)
+    return loop.run("resume", planner=_settings(policy), beltsort=beltsort.__version__)
 
 
 class _Loop:
@@ -260,6 +261,10 @@ class _Loop:
     def skip(self, *, decided: bool) -> None:
         """Pass over an empty place: nothing to sort."""
         self.record("skip", viewpoints=self.progress.visible[0].empty, decided=decided)
+
+
+def _settings(policy: Policy) -> dict[str, Any] | None:
+    return policy.settings if isinstance(policy, Despot) else None
 
 
 def _plain(action: Move | Decide) -> dict[str, int]:

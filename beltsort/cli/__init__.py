@@ -16,15 +16,31 @@ from beltsort.cli import (
     compare,
     demo,
     evaluate,
+    explain,
     export,
     info,
     plan,
+    show,
     solve,
     train,
     viewpoints,
 )
 
-COMMANDS = (demo, info, plan, evaluate, compare, solve, export, bench, viewpoints, train, classify)
+COMMANDS = (
+    demo,
+    info,
+    plan,
+    evaluate,
+    compare,
+    solve,
+    export,
+    bench,
+    viewpoints,
+    train,
+    classify,
+    show,
+    explain,
+)
 FAILED, INTERRUPTED = 2, 130
 
 

@@ -12,7 +12,7 @@ class Narrator:
     Attributes
     ----------
     classes, viewpoints
-        Names, known once the `start` entry has come.
+        Names, known once the first entry has come.
     belief
         Belief after the last entry, rows of probabilities, the belt end first.
     """
@@ -26,8 +26,14 @@ class Narrator:
     def line(self, entry: Entry) -> str | None:
         """Return what `entry` tells."""
         match entry.kind:
-            case "start":
+            case "start" | "snapshot" if not self.classes:
                 text = self._start(entry.data)
+            case "state" if entry.data["state"] in ("Held", "Aborted"):
+                text = f"{entry.data['state'].lower()}: {entry.data['reason']}"
+            case "resume":
+                text = "resumed"
+            case "outcome" if "error" in entry.data:
+                text = f"{entry.data['command_id']} {entry.data['outcome']}: {entry.data['error']}"
             case "scan":
                 text = self._scan(entry.data)
             case "bad_scan":

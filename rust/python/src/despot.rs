@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use beltsort_core::{Belief, Budget, BudgetedDespot, Despot, DespotConfig, Plan, SortingModel};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use rayon::ThreadPool;
 
 use crate::actions;
@@ -195,6 +196,24 @@ impl PyDespot {
     fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
         let plan = self.plan(py, belief, viewpoint, None, None)?;
         actions::to_python(py, plan.0.action)
+    }
+
+    /// What plans depend on, as keywords of the constructor: scenarios, seed, seconds, trials, regularization, depth.
+    #[getter]
+    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let DespotConfig { scenarios, seed, regularization, depth } = *self.planner.despot.config();
+        let (seconds, trials) = match self.planner.budget {
+            Budget::Time(time) => (Some(time.as_secs_f64()), None),
+            Budget::Trials(trials) => (None, Some(trials)),
+        };
+        let settings = PyDict::new(py);
+        settings.set_item("scenarios", scenarios)?;
+        settings.set_item("seed", seed)?;
+        settings.set_item("seconds", seconds)?;
+        settings.set_item("trials", trials)?;
+        settings.set_item("regularization", regularization)?;
+        settings.set_item("depth", depth)?;
+        Ok(settings)
     }
 
     /// The model planned for.

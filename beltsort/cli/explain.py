@@ -1,0 +1,75 @@
+"""`beltsort explain`: why a run did what it did."""
+
+from argparse import Namespace
+
+from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.output import action_as_json, print_json, print_table
+from beltsort.cli.show import add_run
+from beltsort.explanation import action_in_words, explain, tree_in_names
+from beltsort.runs import Step, entries_of, step_of
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "explain",
+        help="say why a run did what it did",
+        description="Say what was known at one planner step of a run, and why its action was chosen.",
+    )
+    add_run(parser)
+    parser.add_argument("--step", type=int, required=True, metavar="N", help="planner step, from 1")
+    parser.add_argument(
+        "--depth", type=int, default=2, metavar="D", help="planner steps to tell of (default: 2)"
+    )
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Find the step, plan once more, and tell."""
+    step = step_of(entries_of(arguments.folder), arguments.step)
+    if arguments.json:
+        print_json(as_json(step, arguments.depth))
+    else:
+        show(step, arguments.depth)
+    return 0
+
+
+def as_json(step: Step, depth: int) -> dict[str, object]:
+    """Return the step as plain data."""
+    plan = step.plan_again()
+    return {
+        "step": step.number,
+        "time": step.entry.time,
+        "object": step.entry.object,
+        "viewpoint": step.model.viewpoints[step.viewpoint],
+        "belief": step.belief.probabilities.tolist(),
+        "action": action_as_json(step.model, step.action),
+        "reason": step.reason,
+        "same_again": None if plan is None else plan.action == step.action,
+        "tree": None if plan is None else tree_in_names(step.model, plan.tree(depth)),
+    }
+
+
+def show(step: Step, depth: int) -> None:
+    """Print the step in words."""
+    model = step.model
+    at = (
+        f"object {(step.entry.object or 0) + 1} at the belt end, camera at {model.viewpoints[step.viewpoint]}"
+    )
+    print(f"Step {step.number}, {step.entry.time[:19].replace('T', ' ')} UTC: {at}. Belief:")
+    rows = enumerate(step.belief.probabilities.tolist())
+    print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
+    print(f"\nIt was chosen to {action_in_words(model, step.action)}.")
+    if step.reason is not None:
+        print(f"A rule chose: {step.reason}.")
+        return
+    plan = step.plan_again()
+    if plan is None:
+        print("A policy without values chose.")
+        return
+    print(explain(model, plan, depth))
+    if plan.action != step.action:
+        print(
+            "(Planned again, with as many trials, something else looks better: the budget was one of time.)"
+        )

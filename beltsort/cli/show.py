@@ -1,0 +1,66 @@
+"""`beltsort show`: what a run did."""
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.narrate import Narrator
+from beltsort.cli.output import print_json, tell
+from beltsort.journal import Entry
+from beltsort.progress import Progress
+from beltsort.runs import entries_of, write_csv
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "show",
+        help="print a run",
+        description="Print what a run did, also of one that is under way.",
+    )
+    add_run(parser)
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="write every journal entry to a CSV file")
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def add_run(parser: ArgumentParser) -> None:
+    """Add the run to look at."""
+    parser.add_argument("folder", metavar="RUN", type=Path, help="a run's folder, or its journal.sqlite")
+
+
+def run(arguments: Namespace) -> int:
+    """Read, print, and write the CSV file if asked to."""
+    entries = entries_of(arguments.folder)
+    progress = Progress.after(entries)
+    if arguments.csv is not None:
+        write_csv(entries, arguments.csv)
+        tell(f"{len(entries)} entries written to {arguments.csv}")
+    if arguments.json:
+        print_json(
+            {
+                "run": progress.run,
+                "steps": progress.steps,
+                "objects": progress.objects,
+                "at_belt_end": progress.index,
+                "decisions": [asdict(decision) for decision in progress.decisions],
+                "skipped": progress.skipped,
+                "entries": [asdict(entry) for entry in entries],
+            }
+        )
+    else:
+        show(entries, progress)
+    return 0
+
+
+def show(entries: Sequence[Entry], progress: Progress) -> None:
+    """Print a line for each entry that tells something new, and how far the run has come."""
+    narrator = Narrator()
+    for entry in entries:
+        line = narrator.line(entry)
+        if line is not None:
+            print(f"{entry.number:>6}  {entry.time[:19].replace('T', ' ')}  {line}")
+    done = f"{len(progress.decisions)} sorted, {len(progress.skipped)} empty"
+    print(f"{done}, {progress.objects - progress.index} left; {progress.steps} steps")

@@ -1,0 +1,143 @@
+"""Looking back at a run: its steps, and why each was taken."""
+
+import csv
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel
+from beltsort.errors import JournalError
+from beltsort.journal import Entry, read_journal
+from beltsort.progress import Progress, model_of
+
+JOURNAL = "journal.sqlite"
+COLUMNS = ("number", "time", "kind", "object", "data")
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A planner step, as it was decided on.
+
+    Attributes
+    ----------
+    number
+        Counts from 1.
+    entry
+        The `plan` entry, or the `decision` entry of a decision that a rule forced.
+    belief, viewpoint
+        What was known then, and where the camera stood.
+    planner
+        Settings of the planner; None for another policy.
+    """
+
+    number: int
+    entry: Entry
+    belief: Belief
+    viewpoint: int
+    planner: dict[str, Any] | None
+
+    @property
+    def model(self) -> SortingModel:
+        """The model planned with."""
+        return self.belief.model
+
+    @property
+    def action(self) -> Move | Decide:
+        """What was chosen."""
+        data = self.entry.data
+        if self.entry.kind == "decision":
+            return Decide(self.belief.most_likely(0)[0])
+        action = data["action"]
+        return Move(action["move"]) if "move" in action else Decide(action["decide"])
+
+    @property
+    def reason(self) -> str | None:
+        """Why a rule chose, in words; None if the policy did."""
+        if self.entry.kind == "decision":
+            return f"forced by {self.entry.data['forced']}"
+        why: str | None = self.entry.data.get("why")
+        return why
+
+    def plan_again(self) -> Plan | None:
+        """Return the plan, made once more; None if no planner made it.
+
+        The same plan if the budget was one of trials. With a budget of time the trials that it had are done
+        again, in which the search may have taken another path.
+        """
+        if self.reason is not None or self.planner is None:
+            return None
+        settings = {**self.planner, "seconds": None, "trials": self.entry.data["trials"]}
+        return Despot(self.model, **settings).plan(self.belief, self.viewpoint)
+
+
+def entries_of(run: Path) -> list[Entry]:
+    """Return the entries of a run.
+
+    Parameters
+    ----------
+    run
+        Its folder, or its journal.
+
+    Raises
+    ------
+    JournalError
+        If there is no journal, or it is damaged.
+    """
+    return read_journal(run / JOURNAL if run.is_dir() else run)
+
+
+def steps_of(entries: Sequence[Entry]) -> Iterator[Step]:
+    """Yield the planner steps of a run, in order.
+
+    Parameters
+    ----------
+    entries
+        From the start, or from a snapshot; then steps are counted from the run's start all the same.
+    """
+    progress = Progress.at_start(model_of(entries))
+    planner: dict[str, Any] | None = None
+    for entry in entries:
+        if entry.kind in ("start", "resume", "snapshot"):
+            planner = entry.data.get("planner", planner)
+        forced = entry.kind == "decision" and entry.data["forced"] is not None
+        if entry.kind == "plan" or forced:
+            yield Step(progress.steps + 1, entry, progress.belief.copy(), progress.viewpoint, planner)
+        progress.apply(entry)
+
+
+def step_of(entries: Sequence[Entry], number: int) -> Step:
+    """Return one planner step; the last plan of it, if a run that was killed made it twice.
+
+    Raises
+    ------
+    JournalError
+        If the journal does not tell of it, naming the steps that it tells of.
+    """
+    found, first, last = None, None, None
+    for step in steps_of(entries):
+        first, last = step.number if first is None else first, step.number
+        if step.number == number:
+            found = step
+    if found is None:
+        known = "of no step" if first is None else f"of steps {first} to {last}"
+        raise JournalError(f"there is no step {number}; the journal tells {known}")
+    return found
+
+
+def write_csv(entries: Sequence[Entry], path: Path) -> None:
+    """Write a row for each entry: number, time (UTC), kind, object, and data as JSON.
+
+    Raises
+    ------
+    JournalError
+        If the file cannot be written.
+    """
+    try:
+        with path.open("w", newline="") as file:
+            rows = csv.writer(file)
+            rows.writerow(COLUMNS)
+            rows.writerows((e.number, e.time, e.kind, e.object, json.dumps(e.data)) for e in entries)
+    except OSError as reason:
+        raise JournalError(f"cannot write {path}: {reason}; choose a writable path") from reason

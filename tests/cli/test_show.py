@@ -1,0 +1,74 @@
+"""beltsort show and beltsort explain, on a run of a cell with scripted labels."""
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from beltsort.journal import read_journal
+from beltsort.report import SortingReport
+from beltsort.runs import steps_of
+from tests.loop.killed_run import OBJECTS, run
+
+from .running import command, json_of, output
+
+
+@pytest.fixture(scope="module")
+def sorted_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, SortingReport]:
+    folder = tmp_path_factory.mktemp("run")
+    return folder, run(folder, "never", resume=False)
+
+
+def test_show_tells_what_was_decided(sorted_run: tuple[Path, SortingReport]) -> None:
+    folder, report = sorted_run
+    text = output("show", str(folder))
+    assert len(re.findall(r"^ +\d+  .* decide \w+ ", text, re.MULTILINE)) == OBJECTS
+    assert text.endswith(f"10 sorted, 0 empty, 0 left; {report.steps} steps\n")
+    told = json_of("show", str(folder / "journal.sqlite"))
+    assert [decision["label"] for decision in told["decisions"]] == [d.label for d in report.decisions]
+    assert [entry["number"] for entry in told["entries"]] == list(range(1, len(told["entries"]) + 1))
+
+
+def test_show_writes_every_entry_as_csv(tmp_path: Path, sorted_run: tuple[Path, SortingReport]) -> None:
+    folder, _ = sorted_run
+    done = command("show", str(folder), "--csv", str(tmp_path / "run.csv"))
+    assert done.returncode == 0
+    with (tmp_path / "run.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    entries = read_journal(folder / "journal.sqlite")
+    assert [row["kind"] for row in rows] == [entry.kind for entry in entries]
+    assert [json.loads(row["data"]) for row in rows] == [entry.data for entry in entries]
+
+
+def test_explain_plans_the_same_again(sorted_run: tuple[Path, SortingReport]) -> None:
+    folder, report = sorted_run
+    steps = list(steps_of(read_journal(folder / "journal.sqlite")))
+    assert [step.number for step in steps] == list(range(1, report.steps + 1))
+    for step in steps:
+        plan = step.plan_again()
+        assert plan is not None
+        assert plan.action == step.action
+        recorded = [action["value"] for action in step.entry.data["values"]]
+        assert list(plan.values.values()) == recorded
+    text = output("explain", str(folder), "--step", "1")
+    assert "It was chosen to move to" in text
+    assert "one more look, from" in text
+    assert json_of("explain", str(folder), "--step", "2")["same_again"] is True
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["show", "{folder}/none"], "does not exist"),
+        (["explain", "{folder}", "--step", "0"], "there is no step 0; the journal tells of steps 1 to"),
+        (["explain", "{folder}", "--step", "9999"], "there is no step 9999"),
+    ],
+)
+def test_errors_are_one_line(
+    sorted_run: tuple[Path, SortingReport], arguments: list[str], message: str
+) -> None:
+    done = command(*(argument.format(folder=sorted_run[0]) for argument in arguments))
+    assert done.returncode == 2
+    assert re.fullmatch(rf"beltsort: error: .*{re.escape(message)}.*\n", done.stderr)
