@@ -28,7 +28,9 @@ __all__ = [
     "Threshold",
     "__version__",
     "evaluate",
+    "lzf_decompress",
     "solve",
+    "vfh",
 ]
 
 _Path: TypeAlias = str | PathLike[str]
@@ -270,3 +272,14 @@ def evaluate(
     truth: SortingModel | None = None,
     max_looks: int = 60,
 ) -> Evaluation: ...
+def vfh(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    viewpoint: NDArray[np.float64],
+    *,
+    size_component: bool,
+    normalize_distance: bool,
+    raw_counts: bool,
+    pcl_compatible: bool,
+) -> NDArray[np.float64] | None: ...
+def lzf_decompress(data: bytes, size: int) -> bytes | None: ...
