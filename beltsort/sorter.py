@@ -32,6 +32,10 @@ class PerceivedPosition(Protocol):
     def empty(self) -> bool:
         """Whether nothing was seen there."""
 
+    @property
+    def outcome(self) -> str:
+        """What was found there, or why nothing was, in a word or two."""
+
 
 Perceive = Callable[[Scan], Sequence[PerceivedPosition]]
 
@@ -205,6 +209,7 @@ class _Loop:
             viewpoint=self.viewpoint,
             labels=labels,
             empty=[what.empty for what in perceived],
+            outcomes=[what.outcome for what in perceived],
             dropped=dropped,
             belief=self.belief.probabilities.tolist(),
             last_labels=self.belief.last_labels.tolist(),

@@ -9,6 +9,7 @@ from beltsort.geometry import BeltLayout, Points
 from beltsort.perception.classifier import NearestNeighbour
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.normals import oriented_normals
+from beltsort.perception.outcome import Outcome
 from beltsort.perception.segment import DepthScan, segment
 from beltsort.perception.vfh import Histogram, vfh
 
@@ -22,13 +23,15 @@ class Perceived:
     position
         Index of the belt position, 0 at the belt end.
     points
-        The candidate, shape (n, 3), world frame, metres; None if the position is empty.
+        The candidate, shape (n, 3), world frame, metres; None if there is none.
     label
-        Class index, or None: the position is empty, or too little of the object shows.
+        Class index, or None: there is nothing to label.
     distance
         Distance of the candidate's descriptor to the nearest one in the database; None without a label.
     runner_up
         Distance to the nearest one of another class, infinite if there is none; None without a label.
+    outcome
+        What was found, or why nothing was.
     """
 
     position: int
@@ -36,11 +39,12 @@ class Perceived:
     label: int | None = None
     distance: float | None = None
     runner_up: float | None = None
+    outcome: Outcome = Outcome.OBJECT
 
     @property
     def empty(self) -> bool:
-        """Whether nothing stands above the rim here; a candidate without a label is not empty."""
-        return self.points is None
+        """Whether the scan saw that nothing stands here; a candidate without a label is not empty."""
+        return self.outcome is Outcome.EMPTY
 
 
 def describe(points: ArrayLike, camera: ArrayLike, config: PerceptionConfig | None = None) -> Histogram:
@@ -111,10 +115,11 @@ class Perception:
             If the scan is no point cloud or holds no finite point.
         """
         segmented = segment(scan, self.layout, self.config)
-        return [self._perceive(j, points, segmented.camera) for j, points in enumerate(segmented.candidates)]
+        found = zip(segmented.candidates, segmented.outcomes, strict=True)
+        return [self._perceive(j, *what, segmented.camera) for j, what in enumerate(found)]
 
-    def _perceive(self, position: int, points: Points | None, camera: Points) -> Perceived:
-        if points is None or len(points) < self.config.fewest_labelled:
-            return Perceived(position, points)
+    def _perceive(self, position: int, points: Points | None, outcome: Outcome, camera: Points) -> Perceived:
+        if points is None or outcome is not Outcome.OBJECT:
+            return Perceived(position, points, outcome=outcome)
         match = self.classifier.match(describe(points, camera, self.config))
         return Perceived(position, points, match.label, match.distance, match.runner_up)

@@ -22,6 +22,10 @@ class Glimpsed:
     label: int | None
     empty: bool
 
+    @property
+    def outcome(self) -> str:
+        return EMPTY if self.empty else "object"
+
 
 @dataclass
 class ScriptedCell:
