@@ -27,6 +27,7 @@ __all__ = [
     "SortingModel",
     "Threshold",
     "__version__",
+    "clusters",
     "evaluate",
     "lzf_decompress",
     "solve",
@@ -283,3 +284,4 @@ def vfh(
     pcl_compatible: bool,
 ) -> NDArray[np.float64] | None: ...
 def lzf_decompress(data: bytes, size: int) -> bytes | None: ...
+def clusters(points: NDArray[np.float64], gap: float) -> NDArray[np.uintp]: ...

@@ -31,8 +31,8 @@ def warn_unless_metres(name: str, length: float, plausible: tuple[float, float])
     if not least <= length <= most:
         factor = 0.001 if length > most else 1000.0
         warnings.warn(
-            f"{name} is {length:.3g}, expected {least:g} to {most:g} metres: if the points are in another "
-            f"unit, convert them (points * {factor:g}, if that is a thousandth or a thousand of a metre)",
+            f"{name} is {length:.3g}, expected {least:g} to {most:g} metres: if the lengths are in another "
+            f"unit, convert them (lengths * {factor:g}, say)",
             UnitWarning,
             stacklevel=3,
         )

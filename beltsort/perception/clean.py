@@ -1,8 +1,8 @@
 """From the raw points of one object to evenly spaced ones without strays."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beltsort import _core
 from beltsort.geometry import Points
 from beltsort.perception.config import PerceptionConfig
 
@@ -32,7 +32,7 @@ def without_outliers(points: Points, config: PerceptionConfig) -> Points:
 
 def main_clusters(points: Points, config: PerceptionConfig) -> Points:
     """Return the largest cluster and those not much smaller, shape (m, 3); m = 0 if even it is too small."""
-    cluster = clusters(points, config.cluster_gap)
+    cluster = _core.clusters(points, config.cluster_gap)
     sizes = np.bincount(cluster, minlength=1)
     if sizes.max() < config.fewest_seen:
         return points[:0]
@@ -42,13 +42,5 @@ def main_clusters(points: Points, config: PerceptionConfig) -> Points:
 
 def several_objects(points: Points, config: PerceptionConfig) -> bool:
     """Whether two parts, each large enough for a label, lie farther apart than the parts of one object."""
-    sizes = np.bincount(clusters(points, config.object_gap), minlength=1)
+    sizes = np.bincount(_core.clusters(points, config.object_gap), minlength=1)
     return int((sizes >= config.fewest_labelled).sum()) > 1
-
-
-def clusters(points: Points, gap: float) -> NDArray[np.int32]:
-    """Return the number of each point's cluster, shape (n,): points nearer than `gap` share theirs."""
-    import open3d as o3d
-
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
-    return np.asarray(cloud.cluster_dbscan(gap, min_points=1), dtype=np.int32)

@@ -2,16 +2,20 @@
 
 from dataclasses import dataclass, fields
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from beltsort.errors import DatabaseError
 from beltsort.geometry import BeltLayout, Points
+from beltsort.perception.checks import warn_unless_metres
 from beltsort.perception.classifier import NearestNeighbour
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.normals import oriented_normals
 from beltsort.perception.outcome import Outcome
 from beltsort.perception.segment import DepthScan, segment
-from beltsort.perception.vfh import Histogram, vfh
+from beltsort.perception.vfh import Histogram, checked_view, vfh
+
+PLAUSIBLE_EXTENTS = (0.001, 5.0)  # metres
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +68,15 @@ def describe(points: ArrayLike, camera: ArrayLike, config: PerceptionConfig | No
     CloudError
         If the shapes do not fit, a value is no finite number, there are fewer than three points, or
         the camera is their centroid.
+
+    Warns
+    -----
+    UnitWarning
+        If no object that a robot picks is of that extent in metres.
     """
     config = config or PerceptionConfig()
+    cloud, _ = checked_view(points, camera)
+    warn_unless_metres("the cloud's extent", float(np.ptp(cloud, axis=0).max()), PLAUSIBLE_EXTENTS)
     normals = oriented_normals(points, camera, config.normal_neighbours)
     return vfh(points, normals, viewpoint=camera, size_component=config.size_component)
 

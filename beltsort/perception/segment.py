@@ -86,7 +86,7 @@ def segment(scan: DepthScan, layout: BeltLayout, config: PerceptionConfig | None
     Warns
     -----
     UnitWarning
-        If the points lie at a distance that no metres would give.
+        If points or camera lie at distances that no robot cell has in metres.
     """
     view = View.of(scan, layout, config or PerceptionConfig())
     positions = range(layout.positions)
@@ -150,9 +150,13 @@ class View:
         """Where lines of sight to cups and belt pass the plane of the rims, shape (m, 2), world frame."""
         return crossings(self.points, self.height, self.world_from_camera, self.base)
 
+    def cropped(self, position: int) -> Points:
+        """Return all points above one cup, shape (n, 3), world frame."""
+        return self._about(self.above, position)
+
     def candidate(self, position: int) -> Points:
         """Return the cleaned points above one cup, shape (n, 3), world frame; n = 0 if there are too few."""
-        voxels = voxel_means(self._cropped(self.above, position), self.config.voxel)
+        voxels = voxel_means(self.cropped(position), self.config.voxel)
         if len(voxels) < self.config.fewest_seen:
             return voxels[:0]
         return main_clusters(without_outliers(voxels, self.config), self.config)
@@ -171,7 +175,7 @@ class View:
 
     def _cut_off(self, position: int, candidate: Points) -> bool:
         above = self._between(self.border, _heights(self.border, self.world_from_camera))
-        border = voxel_means(self._cropped(above, position), self.config.voxel)
+        border = voxel_means(self._about(above, position), self.config.voxel)
         return touch(border, candidate, self.config.cluster_gap)
 
     def _between(self, points: Points, height: NDArray[np.float64]) -> Points:
@@ -179,7 +183,7 @@ class View:
             inside = (height > self.base) & (height < self.layout.crop_height)
         return transform(self.world_from_camera, points[inside])
 
-    def _cropped(self, above: Points, position: int) -> Points:
+    def _about(self, above: Points, position: int) -> Points:
         from_axis = above[:, :2] - self.layout.centre(position)[:2]
         inside: NDArray[np.bool_] = (from_axis**2).sum(axis=1) < self.layout.crop_radius**2
         return above[inside]
@@ -197,10 +201,12 @@ def _checked(scan: DepthScan) -> Points:
         raise CloudError(
             f"world_from_camera is {pose.tolist()}, expected a finite (4, 4) transform: check the arm"
         )
+    from_belt = float(np.linalg.norm(pose[:3, 3]))
+    warn_unless_metres("the camera's distance from the belt end", from_belt, (0.0, PLAUSIBLE_DISTANCES[1]))
     sample = points.reshape(-1, 3)[:: 1 + points.size // (3 * SAMPLES)]
     distances = np.sqrt((sample[np.isfinite(sample).all(axis=1)] ** 2).sum(axis=1))
     if len(distances) > 0:
-        warn_unless_metres("the scan's median distance", float(np.median(distances)), PLAUSIBLE_DISTANCES)
+        warn_unless_metres("the points' median distance", float(np.median(distances)), PLAUSIBLE_DISTANCES)
     return points
 
 

@@ -31,6 +31,7 @@
 
 mod belief;
 mod bounds;
+mod clusters;
 mod despot;
 mod error;
 mod lzf;
@@ -48,6 +49,7 @@ mod tree;
 mod vfh;
 
 pub use belief::Belief;
+pub use clusters::clusters;
 pub use despot::{Budget, Despot, DespotConfig, Plan, TreeAction, TreeBranch, TreeNode};
 pub use error::{Error, Result};
 pub use lzf::lzf_decompress;

@@ -6,6 +6,7 @@
 mod actions;
 mod belief;
 mod budget;
+mod clusters;
 mod convert;
 mod despot;
 mod errors;
@@ -40,6 +41,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<evaluation::PyEvaluation>()?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(vfh::vfh, module)?)?;
+    module.add_function(wrap_pyfunction!(clusters::clusters, module)?)?;
     module.add_function(wrap_pyfunction!(lzf::lzf_decompress, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("BUILD_PROFILE", if cfg!(debug_assertions) { "debug" } else { "release" })
