@@ -31,7 +31,7 @@ class Table:
 
     record: np.dtype[np.void]
     count: int
-    body: bytes
+    body: memoryview
 
     def __post_init__(self) -> None:
         """Refuse records that are no points."""
@@ -80,7 +80,7 @@ def expect(found: int, promised: int, what: str) -> None:
         raise ValueError(f"{found} {what} of data where the header promises {promised}")
 
 
-def _split_header(data: bytes, last_key: bytes) -> tuple[list[list[str]], bytes]:
+def _split_header(data: bytes, last_key: bytes) -> tuple[list[list[str]], memoryview]:
     """Return the words of each header line up to `last_key`'s, and the bytes behind it."""
     lines: list[list[str]] = []
     start = 0
@@ -92,7 +92,7 @@ def _split_header(data: bytes, last_key: bytes) -> tuple[list[list[str]], bytes]
         if words and not words[0].startswith("#"):
             lines.append(words)
         if line.startswith(last_key):
-            return lines, data[start:]
+            return lines, memoryview(data)[start:]
     raise ValueError(f"the header has no line {last_key.decode()!r}")
 
 
@@ -118,7 +118,7 @@ def _text_columns(table: Table) -> Columns:
     names = table.record.names or ()
     widths = [table.record[name].shape[0] for name in names]
     firsts = dict(zip(names, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))
-    body = table.body.strip()
+    body = bytes(table.body).strip()
     expect(body.count(b"\n") + 1 if body else 0, table.count, "lines")
     values = np.loadtxt(StringIO(body.decode("ascii")), ndmin=2, max_rows=table.count)
     expect(len(values), table.count, "lines")
@@ -140,7 +140,7 @@ def _compressed_columns(table: Table) -> Columns:
     size = table.count * table.record.itemsize
     if unpacked != size:
         raise ValueError(f"{unpacked} bytes of data where the header promises {size}")
-    data = _core.lzf_decompress(table.body[8 : 8 + packed], size)
+    data = _core.lzf_decompress(bytes(table.body[8 : 8 + packed]), size)
     if data is None:
         raise ValueError("the compressed data is damaged")
     columns, start = {}, 0

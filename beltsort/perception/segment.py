@@ -181,7 +181,7 @@ class View:
     def _between(self, points: Points, height: NDArray[np.float64]) -> Points:
         with np.errstate(invalid="ignore"):
             inside = (height > self.base) & (height < self.layout.crop_height)
-        return transform(self.world_from_camera, points[inside])
+        return transform(self.world_from_camera, points[np.flatnonzero(inside)])
 
     def _about(self, above: Points, position: int) -> Points:
         from_axis = above[:, :2] - self.layout.centre(position)[:2]
