@@ -27,8 +27,11 @@ __all__ = [
     "SortingModel",
     "Threshold",
     "__version__",
+    "clusters",
     "evaluate",
+    "lzf_decompress",
     "solve",
+    "vfh",
 ]
 
 _Path: TypeAlias = str | PathLike[str]
@@ -279,3 +282,15 @@ def evaluate(
     max_looks: int = 60,
     reference: Solution | None = None,
 ) -> Evaluation: ...
+def vfh(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    viewpoint: NDArray[np.float64],
+    *,
+    size_component: bool,
+    normalize_distance: bool,
+    raw_counts: bool,
+    pcl_compatible: bool,
+) -> NDArray[np.float64] | None: ...
+def lzf_decompress(data: bytes, size: int) -> bytes | None: ...
+def clusters(points: NDArray[np.float64], gap: float) -> NDArray[np.uintp]: ...

@@ -22,6 +22,10 @@ class PerceivedPosition(Protocol):
     def empty(self) -> bool:
         """Whether nothing was seen there."""
 
+    @property
+    def finding(self) -> str:
+        """What was found there, or why nothing was, in a word or two."""
+
 
 Perceive = Callable[[Scan], Sequence[PerceivedPosition]]
 
@@ -83,6 +87,7 @@ class Observer:
             viewpoint=viewpoint,
             labels=labels,
             empty=[what.empty for what in perceived],
+            findings=[what.finding for what in perceived],
             dropped=dropped,
             belief=belief.probabilities.tolist(),
             last_labels=belief.last_labels.tolist(),

@@ -1,4 +1,4 @@
-"""`beltsort bench`: how fast this machine plans."""
+"""`beltsort bench`: how fast this machine plans, and perceives."""
 
 from argparse import Namespace
 from dataclasses import asdict
@@ -19,10 +19,16 @@ def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser(
         "bench",
-        help="how fast this machine plans",
-        description="Time plans, by number of threads and against a deadline. Run it on an idle machine.",
+        help="how fast this machine plans, or perceives",
+        description="Time plans, by number of threads and against a deadline; or the stages of perception, "
+        "beside a plain Open3D pipeline on the same simulated scans. Run it on an idle machine.",
     )
-    parser.add_argument("--model", metavar="MODEL", help="a model file (default: the paper's instance)")
+    parser.add_argument(
+        "what", nargs="?", choices=("planning", "perception"), default="planning", help="default: planning"
+    )
+    parser.add_argument(
+        "--model", metavar="MODEL", help="of planning: a model file (default: the paper's instance)"
+    )
     parser.add_argument(
         "--seconds", type=float, default=10.0, metavar="S", help="time to spend (default: 10)"
     )
@@ -32,6 +38,10 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Measure and print."""
+    if arguments.what == "perception":
+        from beltsort.cli.bench_perception import run as run_perception  # loads Open3D, for a second
+
+        return run_perception(arguments)
     model = paper() if arguments.model is None else SortingModel.load(arguments.model)
     bench = run_bench(model, arguments.seconds)
     if bench.build_profile == "debug":

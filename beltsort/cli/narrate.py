@@ -4,6 +4,7 @@ from typing import Any
 
 from beltsort import SortingModel
 from beltsort.journal import Entry
+from beltsort.perception import Finding
 
 
 class Narrator:
@@ -80,8 +81,8 @@ class Narrator:
 
     def _scan(self, data: dict[str, Any]) -> str:
         seen = [
-            "empty" if empty else "?" if label is None else self.classes[label]
-            for label, empty in zip(data["labels"], data["empty"], strict=True)
+            finding if finding != Finding.OBJECT else "?" if label is None else self.classes[label]
+            for label, finding in zip(data["labels"], data["findings"], strict=True)
         ]
         self.belief = data["belief"]
         beliefs = " | ".join(self.likely(row) for row in self.belief)

@@ -107,8 +107,7 @@ def run_bench(model: SortingModel, seconds: float) -> Bench:
     ArgumentError
         If `seconds` is not a finite time above 0.
     """
-    if not 0 < seconds < float("inf"):
-        raise ArgumentError(f"seconds = {seconds}; give a finite time above 0, 10 for example")
+    checked_seconds(seconds)
     return Bench(
         processor=processor_name(),
         processors=processors(),
@@ -119,6 +118,12 @@ def run_bench(model: SortingModel, seconds: float) -> Bench:
         overshoot=overshoot(model, 0.3 * seconds),
         peak_memory=peak_memory(),
     )
+
+
+def checked_seconds(seconds: float) -> None:
+    """Raise an `ArgumentError` if `seconds` is not a finite time above 0."""
+    if not 0 < seconds < float("inf"):
+        raise ArgumentError(f"seconds = {seconds}; give a finite time above 0, 10 for example")
 
 
 def thread_counts(most: int) -> list[int]:

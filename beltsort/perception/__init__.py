@@ -1,12 +1,15 @@
 """From depth scans to class labels: candidates, viewpoint feature histograms, nearest neighbours."""
 
+from beltsort.perception.checks import UnitWarning
 from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.clouds import read_cloud
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.confusion import Confusion, confusion
 from beltsort.perception.descriptor import describe
+from beltsort.perception.finding import Finding
 from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold
 from beltsort.perception.nearest import NearestNeighbour
+from beltsort.perception.normals import oriented_normals
 from beltsort.perception.pipeline import Perceived, Perception
 from beltsort.perception.segment import Segmented, segment
 from beltsort.perception.training import Trained, train_from_clouds
@@ -15,6 +18,7 @@ from beltsort.perception.vfh import vfh
 __all__ = [
     "Classifier",
     "Confusion",
+    "Finding",
     "Match",
     "NearestNeighbour",
     "Perceived",
@@ -22,9 +26,11 @@ __all__ = [
     "PerceptionConfig",
     "Segmented",
     "Trained",
+    "UnitWarning",
     "confusion",
     "describe",
     "leave_one_out",
+    "oriented_normals",
     "read_cloud",
     "rejection_threshold",
     "segment",

@@ -1,5 +1,6 @@
-"""What is given as an array, made one."""
+"""What is given as an array, made one; what is given in millimetres, told."""
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -18,3 +19,20 @@ def as_array(
         raise error(
             f"{name}: {reason}; expected numbers, every row of the same length: give a NumPy array"
         ) from reason
+
+
+class UnitWarning(UserWarning):
+    """Lengths that are plausible in another unit than metres."""
+
+
+def warn_unless_metres(name: str, length: float, plausible: tuple[float, float]) -> None:
+    """Warn about `name` if its `length` lies outside of what is plausible in metres."""
+    least, most = plausible
+    if not least <= length <= most:
+        factor = 0.001 if length > most else 1000.0
+        warnings.warn(
+            f"{name} is {length:.3g}, expected {least:g} to {most:g} metres: if the lengths are in another "
+            f"unit, convert them (lengths * {factor:g}, say)",
+            UnitWarning,
+            stacklevel=3,
+        )

@@ -28,8 +28,13 @@ class PerceptionConfig:
     cluster_share
         A cluster with less than this share of the largest one's voxels is no part of the object. Below 1:
         an object that hides part of itself (a bowl) or returns patchily (glass) falls into several.
+    object_gap
+        Surfaces farther apart than this, each large enough for a label, are several objects', metres.
+    opening_seen
+        A position without a candidate is empty if lines of sight passed this share of its cup's opening, else
+        hidden. Too small takes for empty what merely gave no return, too large sees no cup as empty.
     fewest_seen
-        A position without a cluster of so many voxels above the rim is empty.
+        A position without a cluster of so many voxels above the rim has no candidate.
     fewest_labelled
         A candidate with fewer voxels is not labelled: its normals say too little.
     normal_neighbours
@@ -45,6 +50,8 @@ class PerceptionConfig:
     outlier_ratio: float = 2.0
     cluster_gap: float = 0.012
     cluster_share: float = 0.2
+    object_gap: float = 0.03
+    opening_seen: float = 0.5
     fewest_seen: int = 12
     fewest_labelled: int = 40
     normal_neighbours: int = 20
@@ -53,7 +60,7 @@ class PerceptionConfig:
     def __post_init__(self) -> None:
         """Refuse settings that leave no cloud."""
         for name, value in asdict(self).items():
-            most = 1.0 if name == "cluster_share" else sys.float_info.max
+            most = 1.0 if name in ("cluster_share", "opening_seen") else sys.float_info.max
             if name != "size_component" and not 0.0 < value <= most:
                 raise beltsort.ArgumentError(
                     f"{name} is {value}, expected above 0 and finite, a share up to 1: start from the default"

@@ -1,10 +1,14 @@
 """The descriptor of a candidate."""
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from beltsort.perception.checks import warn_unless_metres
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.normals import oriented_normals
-from beltsort.perception.vfh import Histogram, vfh
+from beltsort.perception.vfh import Histogram, checked_view, vfh
+
+PLAUSIBLE_EXTENTS = (0.001, 5.0)  # metres
 
 
 def describe(points: ArrayLike, camera: ArrayLike, config: PerceptionConfig | None = None) -> Histogram:
@@ -24,7 +28,14 @@ def describe(points: ArrayLike, camera: ArrayLike, config: PerceptionConfig | No
     CloudError
         If the shapes do not fit, a value is no finite number, there are fewer than three points, or
         the camera is their centroid.
+
+    Warns
+    -----
+    UnitWarning
+        If no object that a robot picks is of that extent in metres.
     """
     config = config or PerceptionConfig()
+    cloud, _ = checked_view(points, camera)
+    warn_unless_metres("the cloud's extent", float(np.ptp(cloud, axis=0).max()), PLAUSIBLE_EXTENTS)
     normals = oriented_normals(points, camera, config.normal_neighbours)
     return vfh(points, normals, viewpoint=camera, size_component=config.size_component)

@@ -12,6 +12,7 @@ from beltsort.geometry import Points, Pose, transform
 
 SAMPLES = 20_000
 BANDS = (0.03, 0.008, 0.005)  # metres about the plane found so far; each pass fits what lies inside
+REACH = 10.0  # metres from the belt end; what lies farther is no belt, and would spoil the fit's condition
 NOISE = 0.003  # metres
 PRIOR_HEIGHT = 0.01  # metres
 PRIOR_SLOPE = 0.02  # metres per metre
@@ -33,7 +34,7 @@ def levelled(points: Points, world_from_camera: Pose) -> Pose:
     """
     sample = points[:: max(1, len(points) // SAMPLES)]
     world = transform(world_from_camera, sample[np.isfinite(sample).all(axis=1)])
-    world = world[np.abs(world[:, 2]) < BANDS[0]]
+    world = world[(np.abs(world) < (REACH, REACH, BANDS[0])).all(axis=1)]
     design = np.column_stack([world[:, :2], np.ones(len(world))])
     plane: NDArray[np.float64] = np.zeros(3)
     for band in BANDS:

@@ -6,6 +6,7 @@ from beltsort.errors import DatabaseError
 from beltsort.geometry import BeltLayout, Points
 from beltsort.perception.classifier import Classifier
 from beltsort.perception.config import PerceptionConfig
+from beltsort.perception.finding import Finding
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.segment import DepthScan, segment
 
@@ -19,12 +20,13 @@ class Perceived:
     position
         Index of the belt position, 0 at the belt end.
     points
-        The candidate, shape (n, 3), world frame, metres; None if the position is empty.
+        The candidate, shape (n, 3), world frame, metres; None if there is none.
     label
-        Class index, or None: the position is empty, too little of the object shows, or the classifier knows
-        nothing like it.
+        Class index, or None: there is nothing to label, or the classifier knows nothing like it.
     distance, runner_up
         As in `Match`; None where nothing was classified, or by a classifier that measures none.
+    finding
+        What was found, or why nothing was.
     """
 
     position: int
@@ -32,11 +34,12 @@ class Perceived:
     label: int | None = None
     distance: float | None = None
     runner_up: float | None = None
+    finding: Finding = Finding.OBJECT
 
     @property
     def empty(self) -> bool:
-        """Whether nothing stands above the rim here; a candidate without a label is not empty."""
-        return self.points is None
+        """Whether the scan saw that nothing stands here; a candidate without a label is not empty."""
+        return self.finding is Finding.EMPTY
 
 
 class Perception:
@@ -87,10 +90,11 @@ class Perception:
             If the scan is no point cloud or holds no finite point.
         """
         segmented = segment(scan, self.layout, self.config)
-        return [self._perceive(j, points, segmented.camera) for j, points in enumerate(segmented.candidates)]
+        found = zip(segmented.candidates, segmented.findings, strict=True)
+        return [self._perceive(j, *what, segmented.camera) for j, what in enumerate(found)]
 
-    def _perceive(self, position: int, points: Points | None, camera: Points) -> Perceived:
-        if points is None or len(points) < self.config.fewest_labelled:
-            return Perceived(position, points)
+    def _perceive(self, position: int, points: Points | None, finding: Finding, camera: Points) -> Perceived:
+        if points is None or finding is not Finding.OBJECT:
+            return Perceived(position, points, finding=finding)
         match = self.classifier.classify(points, camera)
         return Perceived(position, points, match.label, match.distance, match.runner_up)

@@ -1,6 +1,7 @@
 """From a scan to one cleaned cloud per belt position."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -8,9 +9,16 @@ from numpy.typing import NDArray
 
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points, Pose, transform
-from beltsort.perception.checks import as_array
+from beltsort.perception.checks import as_array, warn_unless_metres
+from beltsort.perception.clean import main_clusters, several_objects, voxel_means, without_outliers
 from beltsort.perception.config import PerceptionConfig
+from beltsort.perception.finding import Finding
 from beltsort.perception.level import levelled
+from beltsort.perception.sight import crossings, image_border, share_seen, touch
+
+MOST_POINTS = 4_000_000  # more than a depth camera's; beyond, evenly thinned, so that memory is bounded
+PLAUSIBLE_DISTANCES = (0.02, 20.0)  # metres from the camera
+SAMPLES = 1000
 
 
 class DepthScan(Protocol):
@@ -32,26 +40,39 @@ class Segmented:
     Attributes
     ----------
     candidates
-        For each position the object's points above the rim, shape (n, 3), world frame, metres, or None where
-        the position is empty.
+        For each position the points above the rim, shape (n, 3), world frame, metres, or None where none
+        were found.
+    findings
+        For each position what was found, or why nothing was.
     camera
         The camera's position after correction by the seen belt, shape (3,), world frame, metres.
     """
 
     candidates: tuple[Points | None, ...]
+    findings: tuple[Finding, ...]
     camera: Points
+
+    @property
+    def objects(self) -> tuple[Points | None, ...]:
+        """The candidates worth a label, None elsewhere."""
+        return tuple(
+            points if finding is Finding.OBJECT else None
+            for points, finding in zip(self.candidates, self.findings, strict=True)
+        )
 
 
 def segment(scan: DepthScan, layout: BeltLayout, config: PerceptionConfig | None = None) -> Segmented:
     """Cut a scan into one candidate per belt position.
 
     Scan -> world frame corrected by the seen belt -> upright cylinder above each rim -> voxels -> no outliers
-    -> main clusters. The same scan always gives the same result.
+    -> main clusters. The same scan always gives the same result. Of more than `MOST_POINTS` points an evenly
+    spaced part is used.
 
     Parameters
     ----------
     scan
-        Points in the camera frame, metres, and the camera's pose.
+        Points in the camera frame, metres, and the camera's pose. Only an organised image, shape (height,
+        width, 3), can tell that an object is cut off at its edge.
     layout
         Where the objects stand.
     config
@@ -61,17 +82,115 @@ def segment(scan: DepthScan, layout: BeltLayout, config: PerceptionConfig | None
     ------
     CloudError
         If the scan has another shape, its pose is not finite, or no point of it is.
+
+    Warns
+    -----
+    UnitWarning
+        If points or camera lie at distances that no robot cell has in metres.
     """
-    config = config or PerceptionConfig()
-    points = _checked(scan)
-    world_from_camera = levelled(points, scan.world_from_camera)
-    above = _above_rims(points, world_from_camera, layout, config)
-    candidates = tuple(_candidate(above, layout, position, config) for position in range(layout.positions))
-    return Segmented(candidates, world_from_camera[:3, 3].copy())
+    view = View.of(scan, layout, config or PerceptionConfig())
+    positions = range(layout.positions)
+    candidates = [view.candidate(position) for position in positions]
+    findings = tuple(view.finding(position, candidates[position]) for position in positions)
+    found = tuple(None if len(points) == 0 else points for points in candidates)
+    return Segmented(found, findings, view.world_from_camera[:3, 3].copy())
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A scan laid flat on the belt.
+
+    Attributes
+    ----------
+    border
+        The outermost pixels of an organised image, shape (m, 3), camera frame, metres.
+    points
+        All points, shape (n, 3), camera frame, metres.
+    world_from_camera
+        The camera's pose, corrected by the seen belt, shape (4, 4).
+    """
+
+    border: Points
+    points: Points
+    world_from_camera: Pose
+    layout: BeltLayout
+    config: PerceptionConfig
+
+    @classmethod
+    def of(cls, scan: DepthScan, layout: BeltLayout, config: PerceptionConfig) -> "View":
+        """Check a scan and find the belt in it; raises what `segment` does."""
+        image = _checked(scan)
+        points = image.reshape(-1, 3)
+        points = points[:: 1 + len(points) // MOST_POINTS]
+        pose = levelled(points, scan.world_from_camera)
+        return cls(image_border(image), points, pose, layout, config)
+
+    @property
+    def base(self) -> float:
+        """What lies below is cup or belt, metres above the belt."""
+        return self.layout.rim_height + self.config.rim_clearance
+
+    @cached_property
+    def height(self) -> NDArray[np.float64]:
+        """Height of each point above the belt, shape (n,), metres; not finite where it has none."""
+        height = _heights(self.points, self.world_from_camera)
+        if not np.isfinite(height).any():
+            raise CloudError(
+                f"none of {len(height)} points in the scan is finite, expected the belt's: check the camera"
+            )
+        return height
+
+    @cached_property
+    def above(self) -> Points:
+        """The points between rim and top of the crop, world frame; what is not finite never passes."""
+        return self._between(self.points, self.height)
+
+    @cached_property
+    def passed(self) -> Points:
+        """Where lines of sight to cups and belt pass the plane of the rims, shape (m, 2), world frame."""
+        return crossings(self.points, self.height, self.world_from_camera, self.base)
+
+    def cropped(self, position: int) -> Points:
+        """Return all points above one cup, shape (n, 3), world frame."""
+        return self._about(self.above, position)
+
+    def candidate(self, position: int) -> Points:
+        """Return the cleaned points above one cup, shape (n, 3), world frame; n = 0 if there are too few."""
+        voxels = voxel_means(self.cropped(position), self.config.voxel)
+        if len(voxels) < self.config.fewest_seen:
+            return voxels[:0]
+        return main_clusters(without_outliers(voxels, self.config), self.config)
+
+    def finding(self, position: int, candidate: Points) -> Finding:
+        """Say what the candidate of one position is."""
+        if len(candidate) == 0:
+            centre = self.layout.centre(position)[:2]
+            seen = share_seen(self.passed, centre, self.layout.rim_radius)
+            return Finding.EMPTY if seen >= self.config.opening_seen else Finding.HIDDEN
+        if self._cut_off(position, candidate):
+            return Finding.CUT
+        if several_objects(candidate, self.config):
+            return Finding.SEVERAL
+        return Finding.OBJECT if len(candidate) >= self.config.fewest_labelled else Finding.TOO_FEW
+
+    def _cut_off(self, position: int, candidate: Points) -> bool:
+        above = self._between(self.border, _heights(self.border, self.world_from_camera))
+        border = voxel_means(self._about(above, position), self.config.voxel)
+        return touch(border, candidate, self.config.cluster_gap)
+
+    def _between(self, points: Points, height: NDArray[np.float64]) -> Points:
+        with np.errstate(invalid="ignore"):
+            inside = (height > self.base) & (height < self.layout.crop_height)
+        return transform(self.world_from_camera, points[np.flatnonzero(inside)])
+
+    def _about(self, above: Points, position: int) -> Points:
+        from_axis = above[:, :2] - self.layout.centre(position)[:2]
+        inside: NDArray[np.bool_] = (from_axis**2).sum(axis=1) < self.layout.crop_radius**2
+        return above[inside]
 
 
 def _checked(scan: DepthScan) -> Points:
-    points = as_array("the scan's points", scan.points, CloudError)
+    points: Points = as_array("the scan's points", scan.points, CloudError)
     pose = as_array("world_from_camera", scan.world_from_camera, CloudError)
     if points.ndim not in (2, 3) or points.shape[-1] != 3:
         raise CloudError(
@@ -82,62 +201,18 @@ def _checked(scan: DepthScan) -> Points:
         raise CloudError(
             f"world_from_camera is {pose.tolist()}, expected a finite (4, 4) transform: check the arm"
         )
-    return points.reshape(-1, 3)
+    from_belt = float(np.linalg.norm(pose[:3, 3]))
+    warn_unless_metres("the camera's distance from the belt end", from_belt, (0.0, PLAUSIBLE_DISTANCES[1]))
+    sample = points.reshape(-1, 3)[:: 1 + points.size // (3 * SAMPLES)]
+    distances = np.sqrt((sample[np.isfinite(sample).all(axis=1)] ** 2).sum(axis=1))
+    if len(distances) > 0:
+        warn_unless_metres("the points' median distance", float(np.median(distances)), PLAUSIBLE_DISTANCES)
+    return points
 
 
-def _above_rims(
-    points: Points, world_from_camera: Pose, layout: BeltLayout, config: PerceptionConfig
-) -> Points:
-    """Return the points between rim and top of the crop, world frame; what is not finite never passes."""
+def _heights(points: Points, world_from_camera: Pose) -> NDArray[np.float64]:
     with np.errstate(invalid="ignore"):
         # Not `@`: threads of BLAS cost more than they gain where other threads are busy.
-        height = np.einsum("ij,j->i", points, world_from_camera[2, :3]) + world_from_camera[2, 3]
-        if not np.isfinite(height).any():
-            raise CloudError(
-                f"none of {len(points)} points in the scan is finite, expected the belt's: check the camera"
-            )
-        inside = (height > layout.rim_height + config.rim_clearance) & (height < layout.crop_height)
-    return transform(world_from_camera, points[inside])
-
-
-def _candidate(above: Points, layout: BeltLayout, position: int, config: PerceptionConfig) -> Points | None:
-    from_axis = above[:, :2] - layout.centre(position)[:2]
-    cropped = above[(from_axis**2).sum(axis=1) < layout.crop_radius**2]
-    voxels = voxel_means(cropped, config.voxel)
-    if len(voxels) < config.fewest_seen:
-        return None
-    return _main_clusters(_without_outliers(voxels, config), config)
-
-
-def voxel_means(points: Points, voxel: float) -> Points:
-    """Return the mean point of each occupied cube of edge `voxel`, shape (m, 3), in the cubes' order."""
-    if len(points) == 0:
-        return points
-    cells = np.floor(points / voxel).astype(np.int64)
-    cells -= cells.min(axis=0)
-    extent = cells.max(axis=0) + 1
-    key = (cells[:, 0] * extent[1] + cells[:, 1]) * extent[2] + cells[:, 2]
-    _, voxel_of, count = np.unique(key, return_inverse=True, return_counts=True)
-    sums = np.column_stack([np.bincount(voxel_of, weights=points[:, axis]) for axis in range(3)])
-    means: Points = sums / count[:, None]
-    return means
-
-
-def _without_outliers(points: Points, config: PerceptionConfig) -> Points:
-    import open3d as o3d
-
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
-    _, kept = cloud.remove_statistical_outlier(config.outlier_neighbours, config.outlier_ratio)
-    return points[np.asarray(kept, dtype=np.intp)]
-
-
-def _main_clusters(points: Points, config: PerceptionConfig) -> Points | None:
-    import open3d as o3d
-
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
-    cluster: NDArray[np.int32] = np.asarray(cloud.cluster_dbscan(config.cluster_gap, min_points=1))
-    sizes = np.bincount(cluster)
-    if sizes.max(initial=0) < config.fewest_seen:
-        return None
-    kept: Points = points[(sizes >= config.cluster_share * sizes.max())[cluster]]
-    return kept
+        height: NDArray[np.float64] = np.einsum("ij,j->i", points, world_from_camera[2, :3])
+    height += world_from_camera[2, 3]
+    return height

@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike
 
 from beltsort.errors import CloudError
 from beltsort.geometry import Points
+from beltsort.perception.clean import voxel_means
 from beltsort.perception.clouds import read_cloud
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.descriptor import describe
 from beltsort.perception.folders import Skipped, class_folder, expect_two_classes, training_files
 from beltsort.perception.nearest import NearestNeighbour
-from beltsort.perception.segment import voxel_means
 from beltsort.perception.vfh import Histogram
 
 LARGEST_OBJECT = 2.0  # metres; a cloud beyond it is in other units, or a whole scene

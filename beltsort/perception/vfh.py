@@ -3,15 +3,13 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from beltsort import _core
 from beltsort.errors import CloudError
 from beltsort.geometry import Points
 from beltsort.perception.checks import as_array
 
-ANGLE_BINS = 45
-VIEWPOINT_BINS = 128
-SIZE_BINS_PER_METRE = 100.0
 FEWEST_POINTS = 3
-LENGTH = 4 * ANGLE_BINS + VIEWPOINT_BINS
+LENGTH = 308
 
 Histogram = NDArray[np.float64]
 
@@ -86,22 +84,22 @@ def vfh(
     >>> float(histogram[307]), float(histogram[180:].sum())
     (100.0, 100.0)
     """
-    p, eye = checked_view(points, viewpoint)
-    n = _finite("normals", normals, p.shape)
-    centroid = p.mean(axis=0)
-    offset = p - centroid
-    distance = _norm(offset)
-    pairs = _pair_features(offset, distance, n)
-    blocks = [_angle_block(feature) for feature in pairs.T]
-    leak = 1.0 if pcl_compatible else 0.0
-    if size_component:
-        has_pair = ~np.isnan(pairs[:, 0])
-        blocks.append(_size_block(distance[has_pair], distance.max(), normalize_distance, leak))
-    else:
-        blocks.append(np.zeros(ANGLE_BINS))
-    per_pair, per_point = (1.0, 1.0) if raw_counts else (100.0 / (len(p) - 1), 100.0 / len(p))
-    shape = per_pair * np.concatenate(blocks)
-    return np.concatenate([shape, per_point * _viewpoint_block(n, eye - centroid, leak)])
+    cloud, eye = checked_view(points, viewpoint)
+    histogram = _core.vfh(
+        cloud,
+        _finite("normals", normals, cloud.shape),
+        eye,
+        size_component=size_component,
+        normalize_distance=normalize_distance,
+        raw_counts=raw_counts,
+        pcl_compatible=pcl_compatible,
+    )
+    if histogram is None:
+        raise CloudError(
+            "the viewpoint is the centroid of the cloud, so no viewing direction exists: "
+            "give the camera's position in the frame of the points"
+        )
+    return histogram
 
 
 def checked_view(points: ArrayLike, viewpoint: ArrayLike) -> tuple[Points, Points]:
@@ -121,52 +119,6 @@ def checked_view(points: ArrayLike, viewpoint: ArrayLike) -> tuple[Points, Point
     return cloud, eye
 
 
-def _pair_features(offset: Points, distance: NDArray[np.float64], normals: Points) -> NDArray[np.float64]:
-    """Return theta, cos(alpha), cos(phi) with the centroid, shape (n, 3); NaN where undefined."""
-    mean = np.broadcast_to(normals.mean(axis=0), normals.shape)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        direction = offset / distance[:, None]
-        cos_mean = _dot(direction, mean)
-        cos_own = _dot(direction, normals)
-        swap = np.abs(cos_mean) < np.abs(cos_own)
-        u = np.where(swap[:, None], normals, mean)
-        other = np.where(swap[:, None], mean, normals)
-        cos_phi = np.where(swap, -cos_own, cos_mean)
-        v = _cross(np.where(swap[:, None], -offset, offset), u)
-        v /= _norm(v)[:, None]
-    theta = np.arctan2(_dot(_cross(u, v), other), _dot(u, other))
-    features: NDArray[np.float64] = np.stack([theta, _dot(v, other), cos_phi], axis=1)
-    features[np.isnan(features).any(axis=1)] = np.nan
-    return features
-
-
-def _angle_block(feature: NDArray[np.float64]) -> Histogram:
-    defined = feature[~np.isnan(feature)]
-    return _histogram(ANGLE_BINS * (defined + np.pi) / (2.0 * np.pi), ANGLE_BINS)
-
-
-def _size_block(distance: NDArray[np.float64], largest: float, normalize: bool, leak: float) -> Histogram:
-    if normalize:
-        return _histogram(ANGLE_BINS * distance / np.sqrt(largest**2 + leak), ANGLE_BINS)
-    return _histogram(SIZE_BINS_PER_METRE * distance + 0.5, ANGLE_BINS)
-
-
-def _viewpoint_block(normals: Points, towards_eye: Points, leak: float) -> Histogram:
-    length = np.sqrt(towards_eye @ towards_eye + leak)
-    if length == 0.0:
-        raise CloudError(
-            "the viewpoint is the centroid of the cloud, so no viewing direction exists: "
-            "give the camera's position in the frame of the points"
-        )
-    return _histogram(VIEWPOINT_BINS * (normals @ (towards_eye / length) + 1.0) / 2.0, VIEWPOINT_BINS)
-
-
-def _histogram(scaled: NDArray[np.float64], bins: int) -> Histogram:
-    index = np.clip(np.floor(scaled), 0, bins - 1).astype(np.intp)
-    counts: Histogram = np.bincount(index, minlength=bins).astype(np.float64)
-    return counts
-
-
 def _finite(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Points:
     """Return `given` as a finite array of `shape`, of any length where `shape` says -1."""
     values: Points = as_array(name, given, CloudError)
@@ -182,18 +134,4 @@ def _finite(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Points:
             f"{name} hold {bad} values that are NaN or infinite, expected finite ones: "
             "drop those points (points[np.isfinite(points).all(axis=-1)])"
         )
-    return values
-
-
-def _dot(a: Points, b: Points) -> NDArray[np.float64]:
-    products: NDArray[np.float64] = np.einsum("ij,ij->i", a, b)
-    return products
-
-
-def _norm(a: Points) -> NDArray[np.float64]:
-    length: NDArray[np.float64] = np.sqrt(_dot(a, a))
-    return length
-
-
-def _cross(a: Points, b: Points) -> Points:
-    return a[:, [1, 2, 0]] * b[:, [2, 0, 1]] - a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
+    return np.ascontiguousarray(values)

@@ -118,12 +118,12 @@ def collect_training(
 
 
 def _described(config: CellConfig, perception: PerceptionConfig, work: Round) -> list[tuple[int, Histogram]]:
-    """Return true class and descriptor of every object of a round that is found."""
+    """Return true class and descriptor of every object of a round that is found well."""
     found = []
     for true, (scan,) in work.scenes(config, scans=1):
         segmented = segment(scan, config.layout, perception)
-        for label, points in zip(true[: config.layout.positions], segmented.candidates, strict=True):
-            if points is not None and len(points) >= perception.fewest_labelled:
+        for label, points in zip(true[: config.layout.positions], segmented.objects, strict=True):
+            if points is not None:
                 found.append((label, describe(points, segmented.camera, perception)))
     return found
 

@@ -2,15 +2,20 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from beltsort import Belief, Despot
 from beltsort._core import BUILD_PROFILE
+from beltsort.cell.simulated import CellConfig, SimulatedCell
 from beltsort.cli import main
 from beltsort.experiments import bench
+from beltsort.experiments.perception_stages import own_stages, plain_stages
+from beltsort.experiments.stopwatch import Stopwatch
 from beltsort.models import paper
+from beltsort.perception import PerceptionConfig, describe, segment
 
-from .running import PAPER, command, json_of
+from .running import PAPER, command, json_of, output
 
 
 def test_bench_as_json() -> None:
@@ -58,3 +63,34 @@ def test_a_time_must_be_above_zero(seconds: str, capsys: pytest.CaptureFixture[s
 
 def test_thread_counts() -> None:
     assert [bench.thread_counts(n) for n in (1, 2, 6, 8)] == [[1], [1, 2], [1, 2, 4, 6], [1, 2, 4, 8]]
+
+
+def test_bench_of_perception_as_json() -> None:
+    facts = json_of("bench", "perception", "--seconds", "0.1")
+    assert facts["build_profile"] == BUILD_PROFILE
+    assert facts["turns"] >= 3
+    stages = {stage["name"]: (stage["own"], stage["plain"]) for stage in facts["stages"]}
+    assert stages["deproject"][0] is None
+    assert stages["crop"][1] is None
+    assert all(min(stages[name]) > 0 for name in ("plane", "outliers", "clusters", "voxels", "normals"))
+    assert facts["own"] > 0
+    assert facts["ratio"] > 0
+    assert facts["descriptor_ratio"] > 0
+
+
+def test_bench_of_perception_in_words() -> None:
+    text = output("bench", "perception", "--seconds", "0.1")
+    assert re.search(r"^  stage +beltsort +plain Open3D\n  deproject +- +\d", text, re.MULTILINE)
+    assert re.search(r"The plain pipeline takes \d+\.\d times as long\.\n", text)
+
+
+def test_the_stages_of_perception_are_perception() -> None:
+    cell, config = CellConfig(), PerceptionConfig()
+    simulated = SimulatedCell([3, 0], cell, seed=1)
+    scan = simulated.scan(not_before=simulated.move_to(2, "move"))
+    segmented = segment(scan, cell.layout, config)
+    expected = [describe(p, segmented.camera, config) for p in segmented.objects if p is not None]
+    staged = own_stages(scan, cell, config, Stopwatch())
+    assert len(staged) == 2
+    assert np.array_equal(staged, expected)
+    assert np.shape(plain_stages(scan, cell, config, Stopwatch())) == (2, 308)

@@ -23,6 +23,10 @@ class Glimpsed:
     label: int | None
     empty: bool
 
+    @property
+    def finding(self) -> str:
+        return EMPTY if self.empty else "object"
+
 
 @dataclass
 class ScriptedCell:

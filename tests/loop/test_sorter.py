@@ -95,6 +95,12 @@ def test_belief_follows_bayes_and_the_belt(tmp_path: Path) -> None:
     np.testing.assert_allclose(scans[1].data["belief"], belief.probabilities, rtol=0, atol=0)
 
 
+def test_the_journal_names_the_finding_at_every_position(tmp_path: Path) -> None:
+    _, entries = run(tmp_path, ScriptedCell(PAPER), [[1, EMPTY]], LookOnceEach(), objects=1)
+    scan = next(entry.data for entry in entries if entry.kind == "scan")
+    assert scan["findings"] == ["object", "empty"]
+
+
 def test_looks_count_from_the_first_sight(tmp_path: Path) -> None:
     report, _ = run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), LookOnceEach(), objects=3)
     assert [d.looks for d in report.decisions] == [1, 2, 2]

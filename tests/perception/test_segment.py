@@ -10,8 +10,8 @@ import beltsort
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points, transform
 from beltsort.perception import PerceptionConfig, segment
+from beltsort.perception.clean import voxel_means
 from beltsort.perception.level import levelled
-from beltsort.perception.segment import voxel_means
 from tests.perception.belt_scene import Scene, SyntheticScan
 
 LAYOUT = BeltLayout()

@@ -7,7 +7,7 @@ import pytest
 
 from beltsort.errors import CloudError, DatabaseError
 from beltsort.perception import PerceptionConfig, describe, train_from_clouds
-from beltsort.perception.segment import voxel_means
+from beltsort.perception.clean import voxel_means
 from beltsort.perception.training import read_candidate
 
 from .cloud_folders import SHAPES, cloud, cloud_folder

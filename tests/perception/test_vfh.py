@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beltsort.errors import CloudError
+from beltsort.experiments.plain_vfh import plain_vfh
 from beltsort.geometry import Points
 from beltsort.perception import vfh
 
@@ -20,6 +21,7 @@ OPTION_SETS: dict[str, dict[str, bool]] = {
     "vfh_raw_counts": {"raw_counts": True},
     "vfh_size_pclnormals": {},
 }
+OPTIONS = ("size_component", "normalize_distance", "raw_counts", "pcl_compatible")
 CAMERA = np.array([0.3, -0.2, 0.6])
 
 
@@ -44,6 +46,34 @@ def rotation(axis: Points, angle: float) -> Points:
 def points_moved(a: Points, b: Points, n: int) -> float:
     """Return how many points lie in other bins, counting a point once per block."""
     return float(np.abs(a - b).sum() / 2.0 / (100.0 / (n - 1)))
+
+
+@settings(deadline=None, max_examples=60)
+@given(seed=st.integers(0, 10_000), n=st.integers(3, 300), chosen=st.sets(st.sampled_from(OPTIONS)))
+def test_equals_the_plain_version(seed: int, n: int, chosen: set[str]) -> None:
+    points, normals = bump(seed, n)
+    options = {name: name in chosen for name in OPTIONS}
+    compiled = vfh(points, normals, viewpoint=CAMERA, **options)
+    plain = plain_vfh(points, normals, CAMERA, **options)
+    # Sums in another order may move a point across the edge of a bin.
+    scale = (n - 1) / 100.0 if "raw_counts" not in chosen else 1.0
+    assert np.abs(compiled - plain).sum() * scale / 2.0 <= 1.0
+
+
+@pytest.mark.parametrize("strange", [1e-300, 1e300])
+def test_lengths_beyond_all_measure_give_a_histogram(strange: float) -> None:
+    points, normals = bump(0)
+    histogram = vfh(strange * points, normals, viewpoint=CAMERA)
+    assert np.isfinite(histogram).all()
+    assert histogram[180:].sum() == pytest.approx(100.0)
+
+
+def test_other_layouts_in_memory_are_the_same_cloud() -> None:
+    points, normals = bump(0)
+    expected = vfh(points, normals, viewpoint=CAMERA)
+    wide = np.hstack([points, normals])
+    assert np.array_equal(vfh(wide[:, :3], np.asfortranarray(normals), viewpoint=CAMERA), expected)
+    assert np.array_equal(vfh(points.tolist(), normals.tolist(), viewpoint=tuple(CAMERA)), expected)
 
 
 def test_there_are_fixtures() -> None:

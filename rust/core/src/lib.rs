@@ -31,8 +31,10 @@
 
 mod belief;
 mod bounds;
+mod clusters;
 mod despot;
 mod error;
+mod lzf;
 mod model;
 mod one_object;
 mod planes;
@@ -44,12 +46,16 @@ mod simulate;
 #[cfg(test)]
 mod testing;
 mod tree;
+mod vfh;
 
 pub use belief::Belief;
+pub use clusters::clusters;
 pub use despot::{Budget, Despot, DespotConfig, Plan, TreeAction, TreeBranch, TreeNode};
 pub use error::{Error, Result};
+pub use lzf::lzf_decompress;
 pub use model::{Action, ModelSpec, ScalarOrMatrix, SortingModel, Tables};
 pub use one_object::OneObjectPolicy;
 pub use policy::{BudgetedDespot, InformationGain, OneObject, Policy, Threshold};
 pub use reference::Solution;
 pub use simulate::{Evaluation, EvaluationConfig, Statistics, TrueClasses, evaluate};
+pub use vfh::{Distances, VFH_BINS, VfhOptions, vfh};

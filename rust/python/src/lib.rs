@@ -6,18 +6,21 @@
 mod actions;
 mod belief;
 mod budget;
+mod clusters;
 mod convert;
 mod despot;
 mod errors;
 mod evaluate;
 mod evaluation;
 mod interrupt;
+mod lzf;
 mod model;
 mod plan;
 mod plan_tree;
 mod policies;
 mod solution;
 mod user_policy;
+mod vfh;
 
 use pyo3::prelude::*;
 
@@ -37,6 +40,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<policies::PyOneObject>()?;
     module.add_class::<evaluation::PyEvaluation>()?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
+    module.add_function(wrap_pyfunction!(vfh::vfh, module)?)?;
+    module.add_function(wrap_pyfunction!(clusters::clusters, module)?)?;
+    module.add_function(wrap_pyfunction!(lzf::lzf_decompress, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("BUILD_PROFILE", if cfg!(debug_assertions) { "debug" } else { "release" })
 }

@@ -1,0 +1,67 @@
+"""What the camera could not see: hidden cups, and objects that reach the edge of the image."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beltsort.geometry import Points, Pose
+
+EDGE = 2  # pixels
+CELLS = 4  # to a radius
+
+
+def crossings(points: Points, height: NDArray[np.float64], world_from_camera: Pose, level: float) -> Points:
+    """Return where the lines of sight that end below `level` pass it, shape (m, 2), world x and y.
+
+    Parameters
+    ----------
+    points
+        Shape (n, 3), camera frame, metres.
+    height
+        Their height in the world, shape (n,), metres; NaN where there is none.
+    world_from_camera
+        The camera's pose, shape (4, 4).
+    level
+        Metres above the belt; a camera below it sees nothing from above.
+    """
+    eye = world_from_camera[:3, 3]
+    if eye[2] <= level:
+        return np.empty((0, 2))
+    below = np.flatnonzero(height < level)
+    share = (eye[2] - level) / (eye[2] - height[below])
+    sideways: Points = np.einsum("ij,kj->ik", points[below], world_from_camera[:2, :3])
+    sideways *= share[:, None]
+    return sideways + eye[:2]
+
+
+def share_seen(passed: Points, centre: Points, radius: float) -> float:
+    """Return the share of a disc's cells, `CELLS` to its radius, through which a line of sight passed.
+
+    Parameters
+    ----------
+    passed
+        Where lines of sight pass the disc's plane, shape (m, 2).
+    centre
+        Of the disc, shape (2,).
+    radius
+        Metres.
+    """
+    cell = np.floor((passed - centre) / radius * CELLS)
+    inside = (np.abs(cell + 0.5) < CELLS).all(axis=1)
+    seen = np.zeros((2 * CELLS, 2 * CELLS), dtype=bool)
+    seen[tuple((cell[inside].astype(np.intp) + CELLS).T)] = True
+    middle = np.arange(2 * CELLS) + 0.5 - CELLS
+    disc = middle[:, None] ** 2 + middle**2 < CELLS**2
+    return float(seen[disc].mean())
+
+
+def image_border(points: Points) -> Points:
+    """Return the outermost `EDGE` pixels of an image, shape (n, 3); none of what is no image."""
+    if points.ndim < 3 or min(points.shape[:2]) <= 2 * EDGE:
+        return np.empty((0, 3))
+    bands = points[:EDGE], points[-EDGE:], points[:, :EDGE], points[:, -EDGE:]
+    return np.concatenate([band.reshape(-1, 3) for band in bands])
+
+
+def touch(a: Points, b: Points, gap: float) -> bool:
+    """Whether any point of `a`, shape (n, 3), lies within `gap` of one of `b`, shape (m, 3)."""
+    return any(bool((((b - point) ** 2).sum(axis=1) < gap**2).any()) for point in a)

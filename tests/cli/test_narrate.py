@@ -1,0 +1,23 @@
+"""A scan in words: labels, and why there is none."""
+
+from beltsort.cli.narrate import Narrator
+from beltsort.journal import Entry
+from beltsort.models import paper
+from beltsort.perception import Finding
+
+
+def test_a_scan_tells_labels_and_findings() -> None:
+    model, narrator = paper(), Narrator()
+    narrator.line(Entry(1, "", "start", None, {"objects": 2, "model": model.to_json()}))
+
+    def told(labels: list[int | None], findings: list[Finding]) -> str:
+        belief = [model.arrival.tolist()] * 2
+        data = {"viewpoint": 0, "labels": labels, "findings": findings, "belief": belief}
+        line = narrator.line(Entry(2, "", "scan", 0, data))
+        assert line is not None
+        return line
+
+    first, second, *_ = model.classes
+    assert f"{first} | {second}  ->" in told([0, 1], [Finding.OBJECT, Finding.OBJECT])
+    assert "? | empty  ->" in told([None, None], [Finding.OBJECT, Finding.EMPTY])
+    assert "hidden | several objects  ->" in told([None, None], [Finding.HIDDEN, Finding.SEVERAL])
