@@ -54,9 +54,9 @@ impl PartialEq for Plan {
 impl Search<'_> {
     pub(super) fn into_plan(self) -> Plan {
         let tree = &self.space.tree;
-        let (root, bounds) = (&tree.nodes[0], tree.values[0]);
+        let (root, bounds) = (&tree.nodes[0], tree.root.values);
         let mut values = Vec::new();
-        for edge in tree.edges_of(0) {
+        for edge in &root.edges {
             match edge.action {
                 Action::Decide(best) => values.extend(self.decisions(best, edge.values.estimate)),
                 Action::Move(_) => values.push((edge.action, edge.values.estimate)),
@@ -76,8 +76,8 @@ impl Search<'_> {
             trials: self.trials,
             elapsed: self.start.elapsed(),
             scenario_steps: self.scenario_steps,
-            expansions: self.space.expanded_count() as u64,
-            nodes: tree.nodes.len() as u64,
+            expansions: tree.nodes.len() as u64,
+            nodes: 1 + tree.nodes.iter().map(|node| node.children.len() as u64).sum::<u64>(),
             model: Arc::clone(&self.despot.model),
             space: self.space,
         }
@@ -85,7 +85,7 @@ impl Search<'_> {
 
     fn certified_upper(&self) -> f64 {
         let Despot { model, certificate, .. } = self.despot;
-        let (belief, viewpoint) = (&self.space.root.0, self.space.tree.nodes[0].viewpoint);
+        let (belief, viewpoint) = (&self.space.root.0, self.space.tree.viewpoint);
         let closed = bounds::upper(model, belief, viewpoint);
         certificate.as_ref().map_or(closed, |grid| grid.at(model, belief, viewpoint).min(closed))
     }
@@ -101,9 +101,10 @@ impl Search<'_> {
         let Despot { model, default_policy, .. } = self.despot;
         let root = &self.space.tree.nodes[0];
         let worth = |edge: &Edge| if self.regularised() { edge.values.lower } else { edge.values.estimate };
-        let edges = self.space.tree.edges_of(0);
-        let best =
-            edges.iter().fold(&edges[0], |best, edge| if worth(edge) > worth(best) { edge } else { best });
+        let best = root
+            .edges
+            .iter()
+            .fold(&root.edges[0], |best, edge| if worth(edge) > worth(best) { edge } else { best });
         if self.regularised() && worth(best) < root.default {
             return default_policy.action(model, &self.space.root.0, root.viewpoint);
         }
