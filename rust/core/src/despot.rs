@@ -26,10 +26,11 @@ mod expand;
 mod explain;
 mod plan;
 mod shortfall;
+mod stopping;
 mod workspace;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -39,6 +40,7 @@ use crate::bounds;
 use crate::error::Result;
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
+use crate::planes;
 use crate::reference::CoarseBound;
 use crate::scenario::Randoms;
 use crate::tree::{Child, Place, Values, id, indices, seen};
@@ -52,11 +54,6 @@ use workspace::{Lease, Pool};
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
 const TARGET_GAP: f64 = 0.95;
-/// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
-const SOLVED: f64 = 1e-10;
-/// Leaves chosen before any of them is expanded: work for the threads, and a little less well informed each. As many
-/// as this part of the trials done, within limits; never a matter of threads.
-const BATCH: (u64, std::ops::Range<u64>) = (4, 8..256);
 /// Expansions that are worth waking another thread for, and those done by one task.
 const WORTH_SHARING: usize = 16;
 const PER_TASK: usize = 4;
@@ -157,9 +154,11 @@ impl Despot {
             start,
             trials: 0,
             scenario_steps: 0,
+            nodes: 1,
         };
+        let certified_upper = self.certified_upper(belief.as_slice(), viewpoint);
         search.run(belief, viewpoint);
-        Ok(search.into_plan())
+        Ok(search.into_plan(certified_upper))
     }
 
     /// The factor between a belief's own values and the scaled ones of the tree.
@@ -210,6 +209,8 @@ struct Search<'a> {
     start: Instant,
     trials: u64,
     scenario_steps: u64,
+    /// Beliefs created.
+    nodes: u64,
 }
 
 impl Search<'_> {
@@ -237,26 +238,6 @@ impl Search<'_> {
         self.space.choose(None);
         self.expand_leaves(|_| true);
         self.attach_expansions();
-    }
-
-    fn finished(&self) -> bool {
-        self.space.tree.root.values.gap() < SOLVED * self.despot.model.spec().r_max || self.allowed() == 0
-    }
-
-    fn out_of_time(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-            || matches!(self.budget, Budget::Time(time) if self.start.elapsed() >= time)
-    }
-
-    /// Trials that the budget still allows for, at most a batch.
-    fn allowed(&self) -> usize {
-        let batch = (self.trials / BATCH.0).clamp(BATCH.1.start, BATCH.1.end);
-        let allowed = match self.budget {
-            _ if self.out_of_time() => 0,
-            Budget::Trials(trials) => batch.min(trials - self.trials),
-            Budget::Time(_) => batch,
-        };
-        usize::try_from(allowed).unwrap_or(usize::MAX)
     }
 
     /// Choose the leaves of the next trials; until they are expanded each counts as settled, so that the others
@@ -322,11 +303,17 @@ impl Search<'_> {
         (self.space.expansions, self.space.scratch) = (expansions, scratch);
     }
 
-    /// Put what was made into the tree, in the order in which it was chosen; the number of trials done.
+    /// Put what was made into the tree and count it; the number of trials done.
     fn attach_expansions(&mut self) -> u64 {
-        let (done, steps) = self.space.attach(&self.despot.model);
-        self.scenario_steps += steps;
-        done
+        let mut trials = 0;
+        for Expansion { node, .. } in self.space.expansions.iter().filter(|expansion| expansion.done()) {
+            let moves = self.despot.model.legal_moves(node.viewpoint).len() as u64;
+            trials += 1;
+            self.nodes += node.children.len() as u64;
+            self.scenario_steps += moves * planes::count(&node.scenarios);
+        }
+        self.space.attach();
+        trials
     }
 }
 

@@ -67,14 +67,14 @@ impl Run<'_> {
         let Self { node, despot, space, .. } = self;
         node.belief.clear();
         node.scenarios.clear();
-        let Some(place) = node.place else {
+        let Some(at) = node.place else {
             node.belief.extend(&space.root.0);
             node.memory.clone_from(&space.root.1);
             node.scenarios.extend(planes::first(despot.config.scenarios));
             return;
         };
-        let parent = &space.tree.nodes[place.node as usize];
-        let action = parent.edges[place.edge as usize].action;
+        let parent = &space.tree.nodes[at.node as usize];
+        let action = parent.edges[at.edge as usize].action;
         node.belief.extend(&parent.belief);
         node.memory.clone_from(&parent.memory);
         node.scenarios.extend(&parent.scenarios);

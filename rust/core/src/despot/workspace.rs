@@ -7,12 +7,11 @@ use super::branch::Scan;
 use super::expand::{Expansion, Scratch};
 use crate::belief::{Belief, Memory};
 use crate::model::{Action, SortingModel};
-use crate::planes;
 use crate::scenario::{LabelPlanes, LookPoint, Randoms};
 use crate::tree::{Child, Node, Place, Tree, id, seen};
 
-/// Nodes of a tree that is not kept for the next plan: an occasional long search would hold its memory for ever.
-const MOST_KEPT: usize = 200_000;
+/// Nodes that are kept for the next plan at most: an occasional long search would hold its memory for ever.
+const MOST_KEPT: usize = 100_000;
 
 /// Everything that a search writes to. Its content never outlives a plan, its memory does.
 #[derive(Debug, Default)]
@@ -92,23 +91,19 @@ impl Workspace {
         memory
     }
 
-    /// Put the expansions for which there was time into the tree, in the order in which they were chosen; number of
-    /// them and of their scenarios' steps.
-    pub(super) fn attach(&mut self, model: &SortingModel) -> (u64, u64) {
-        let (mut done, mut steps) = (0, 0);
+    /// Put the expansions for which there was time into the tree, in the order in which they were chosen.
+    pub(super) fn attach(&mut self) {
         for expansion in self.expansions.drain(..) {
-            self.tree.revise(expansion.node.place, expansion.values);
+            let place = expansion.node.place;
+            self.tree.revise(place, expansion.values);
             if expansion.done() {
-                let moves = model.legal_moves(expansion.node.viewpoint).len() as u64;
-                (done, steps) = (done + 1, steps + moves * planes::count(&expansion.node.scenarios));
-                self.tree.child_mut(expansion.node.place).node = Some(id(self.tree.nodes.len()));
+                self.tree.child_mut(place).node = Some(id(self.tree.nodes.len()));
                 self.tree.nodes.push(expansion.node);
             } else {
                 self.spare.push(expansion.node);
             }
         }
         self.tree.back_up();
-        (done, steps)
     }
 }
 
@@ -147,7 +142,7 @@ impl DerefMut for Lease {
 impl Drop for Lease {
     fn drop(&mut self) {
         let space = std::mem::take(&mut self.space);
-        if space.tree.nodes.capacity() <= MOST_KEPT {
+        if space.tree.nodes.len() + space.spare.len() <= MOST_KEPT {
             self.pool.0.lock().unwrap_or_else(PoisonError::into_inner).push(space);
         }
     }
