@@ -152,6 +152,7 @@ impl Despot {
             stop,
             parallel,
             start,
+            begun: start,
             trials: 0,
             scenario_steps: 0,
             nodes: 1,
@@ -207,6 +208,8 @@ struct Search<'a> {
     stop: &'a AtomicBool,
     parallel: bool,
     start: Instant,
+    /// When the root was expanded.
+    begun: Instant,
     trials: u64,
     scenario_steps: u64,
     /// Beliefs created.
@@ -216,6 +219,7 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(&mut self, belief: &Belief, viewpoint: usize) {
         self.begin(belief, viewpoint);
+        self.begun = Instant::now();
         while !self.finished() {
             self.choose_leaves();
             if self.space.expansions.is_empty() {

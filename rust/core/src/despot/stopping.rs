@@ -23,10 +23,13 @@ impl Search<'_> {
             || matches!(self.budget, Budget::Time(time) if self.start.elapsed() >= time)
     }
 
-    /// Trials that end in time if they take as long as those so far, the root's expansion counted as one.
+    /// Trials that end in time if they take as long as those so far; as many as you like as long as there are none.
     fn trials_within(&self, time: Duration) -> u64 {
-        let spent = self.start.elapsed();
-        let trials = (self.trials + 1) as f64 * time.saturating_sub(spent).div_duration_f64(spent);
+        if self.trials == 0 {
+            return u64::MAX;
+        }
+        let left = time.saturating_sub(self.start.elapsed());
+        let trials = self.trials as f64 * left.div_duration_f64(self.begun.elapsed());
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // not negative; as many as fit
         let trials = trials as u64;
         trials

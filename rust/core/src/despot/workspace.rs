@@ -66,11 +66,9 @@ impl Workspace {
         let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
         let scans = moves.chain([Action::Decide(0)]).filter_map(|action| Scan::of(model, node, action));
         scans.flat_map(move |scan| {
-            let fresh = Memory::default();
-            let memory = if scan.decisions > node.decisions { &fresh } else { &memory };
-            let looks: Vec<_> =
-                (0..model.position_count()).map(|position| scan.look(model, memory, position)).collect();
-            looks
+            let decided = scan.decisions > node.decisions;
+            let memory = if decided { Memory::default() } else { memory.clone() };
+            (0..model.position_count()).map(move |position| scan.look(model, &memory, position))
         })
     }
 
