@@ -11,6 +11,8 @@ use criterion::{BenchmarkId, Criterion, Throughput};
 use rayon::ThreadPoolBuilder;
 
 const TRIALS: u64 = 50;
+/// Enough for batches of leaves that are worth sharing.
+const SHARED_TRIALS: u64 = 1000;
 const FEW_SCENARIOS: usize = 512;
 const MANY_SCENARIOS: usize = 4096;
 const BATCHES: usize = 1000;
@@ -48,11 +50,11 @@ fn one_plan(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
 /// The same plan on one thread and on two.
 fn by_threads(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
     let planner = planner(model, MANY_SCENARIOS)?;
-    let mut group = criterion.benchmark_group(format!("plan of {TRIALS} trials"));
+    let mut group = criterion.benchmark_group(format!("plan of {SHARED_TRIALS} trials"));
     for threads in [1, 2] {
         let Ok(pool) = ThreadPoolBuilder::new().num_threads(threads).build() else { continue };
         let id = BenchmarkId::new("threads", threads);
-        group.bench_function(id, |b| b.iter(|| pool.install(|| plan(&planner))));
+        group.bench_function(id, |b| b.iter(|| pool.install(|| plan_in_parallel(&planner))));
     }
     Ok(())
 }
@@ -81,4 +83,8 @@ fn planner(model: &SortingModel, scenarios: usize) -> Result<Despot> {
 
 fn plan(planner: &Despot) -> Result<Plan> {
     planner.plan(&Belief::new(planner.model()), 0, Budget::Trials(TRIALS))
+}
+
+fn plan_in_parallel(planner: &Despot) -> Result<Plan> {
+    planner.plan_in_parallel(&Belief::new(planner.model()), 0, Budget::Trials(SHARED_TRIALS))
 }

@@ -102,8 +102,9 @@ impl Look {
         }
         self.probabilities[at] = total;
         if total > 0.0 {
+            let factor = 1.0 / total;
             for entry in posterior {
-                *entry /= total;
+                *entry *= factor;
             }
         }
     }

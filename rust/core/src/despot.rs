@@ -26,10 +26,11 @@ mod expand;
 mod explain;
 mod plan;
 mod shortfall;
+mod stopping;
 mod workspace;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -39,12 +40,13 @@ use crate::bounds;
 use crate::error::Result;
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
+use crate::planes;
 use crate::reference::{Certificate, Solution};
 use crate::scenario::Randoms;
-use crate::tree::{Node, Values, indices};
+use crate::tree::{Child, Place, Values, id, indices, seen};
 
 pub use config::{Budget, DespotConfig};
-use expand::Expansion;
+use expand::{Expansion, Scratch};
 pub use explain::{TreeAction, TreeBranch, TreeNode};
 pub use plan::Plan;
 use shortfall::{Prospect, Shortfall};
@@ -52,14 +54,9 @@ use workspace::{Lease, Pool};
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
 const TARGET_GAP: f64 = 0.95;
-/// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
-const SOLVED: f64 = 1e-10;
-/// Leaves chosen before any of them is expanded: work for the threads, and a little less well informed each. As many
-/// as this part of the trials done, within limits; never a matter of threads.
-const BATCH: (u64, std::ops::Range<u64>) = (4, 8..256);
 /// Expansions that are worth waking another thread for, and those done by one task.
-const WORTH_SHARING: usize = 64;
-const PER_TASK: usize = 8;
+const WORTH_SHARING: usize = 16;
+const PER_TASK: usize = 4;
 /// A search that nobody stops.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
@@ -173,46 +170,50 @@ impl Despot {
             stop,
             parallel,
             start,
+            begun: start,
             trials: 0,
             scenario_steps: 0,
+            nodes: 1,
         };
+        let certified_upper = self.certified_upper(belief.as_slice(), viewpoint);
         search.run(belief, viewpoint);
-        Ok(search.into_plan())
+        Ok(search.into_plan(certified_upper))
     }
 
-    /// The factor between a node's own values and the scaled ones of the tree.
+    /// The factor between a belief's own values and the scaled ones of the tree.
     #[inline(always)]
-    fn scale(&self, node: &Node) -> f64 {
-        node.probability * self.discounts[node.depth]
+    fn scale(&self, depth: usize, probability: f64) -> f64 {
+        probability * self.discounts[depth]
     }
 
-    /// A leaf, its values unscaled so far: the default policy's, or at best the upper bound after one policy node.
+    /// Values of a leaf from unscaled ones: the default policy's, or at best the upper bound after one policy node.
     #[inline(always)]
-    fn leaf(&self, mut node: Node, value: f64, entropy: f64, upper: f64) -> (Node, Values) {
-        let scale = self.scale(&node);
-        let default = scale * value;
-        node.default = default;
-        let upper = if node.depth < self.depth {
-            default.max(scale * upper - self.config.regularization)
-        } else {
-            default
-        };
-        let prospect = Prospect { mass: scale, value: default, entropy: scale * entropy };
-        let estimate = (default + self.shortfall.at(prospect)).min(upper);
-        (node, Values { lower: default, upper, estimate })
+    fn leaf(&self, (depth, probability): (usize, f64), value: f64, entropy: f64, upper: f64) -> Values {
+        let scale = self.scale(depth, probability);
+        let lower = scale * value;
+        let upper =
+            if depth < self.depth { lower.max(scale * upper - self.config.regularization) } else { lower };
+        let prospect = Prospect { mass: scale, value: lower, entropy: scale * entropy };
+        let estimate = (lower + self.shortfall.at(prospect)).min(upper);
+        Values { lower, upper, estimate }
     }
 }
 
-/// What is known after an action from a node's parent and the labels that lead to the node.
+/// What is known after an action, from what was known before it: the viewpoint then, and the code of the labels.
 #[inline(always)]
-fn follow(model: &SortingModel, belief: &mut [f64], memory: &mut Memory, action: Action, node: &Node) {
+fn follow(
+    model: &SortingModel,
+    (belief, memory): (&mut [f64], &mut Memory),
+    action: Action,
+    (viewpoint, labels): (usize, u64),
+) {
     let decided = matches!(action, Action::Decide(_));
     if decided {
         shift(model, belief, memory);
     }
     if !decided || model.observes_after_decision() {
-        for (j, z) in node.seen(model).enumerate() {
-            condition(model, belief, memory, (j, node.viewpoint, z));
+        for (j, z) in seen(model, labels).enumerate() {
+            condition(model, belief, memory, (j, viewpoint, z));
         }
     }
 }
@@ -225,124 +226,116 @@ struct Search<'a> {
     stop: &'a AtomicBool,
     parallel: bool,
     start: Instant,
+    /// When the root was expanded.
+    begun: Instant,
     trials: u64,
     scenario_steps: u64,
+    /// Beliefs created.
+    nodes: u64,
 }
 
 impl Search<'_> {
     fn run(&mut self, belief: &Belief, viewpoint: usize) {
         self.begin(belief, viewpoint);
+        self.begun = Instant::now();
         while !self.finished() {
-            let trials = self.choose_leaves();
-            self.expand_leaves(trials, |search| !search.out_of_time());
-            self.trials += self.attach_expansions(trials);
+            self.choose_leaves();
+            if self.space.expansions.is_empty() {
+                return;
+            }
+            self.expand_leaves(|search| !search.out_of_time());
+            self.trials += self.attach_expansions();
         }
     }
 
     /// The root, expanded whatever the budget says.
     fn begin(&mut self, belief: &Belief, viewpoint: usize) {
         let Despot { model, default_policy, randoms, .. } = self.despot;
-        let root = Node { viewpoint, probability: 1.0, ..Node::default() };
         let lower = bounds::lower(model, default_policy, belief.as_slice(), viewpoint);
         let upper = bounds::upper(model, belief.as_slice(), viewpoint);
-        let root = self.despot.leaf(root, lower, 0.0, upper);
+        let values = self.despot.leaf((0, 1.0), lower, 0.0, upper);
+        let root = Child { values, probability: 1.0, ..Child::default() };
         randoms.reach(0, self.parallel);
-        self.space.restart(model, randoms, belief, root);
-        self.space.choose(0, 0);
-        self.expand_leaves(1, |_| true);
-        self.attach_expansions(1);
-    }
-
-    fn finished(&self) -> bool {
-        self.space.tree.values[0].gap() < SOLVED * self.despot.model.spec().r_max || self.allowed() == 0
-    }
-
-    fn out_of_time(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-            || matches!(self.budget, Budget::Time(time) if self.start.elapsed() >= time)
-    }
-
-    /// Trials that the budget still allows for, at most a batch.
-    fn allowed(&self) -> usize {
-        let batch = (self.trials / BATCH.0).clamp(BATCH.1.start, BATCH.1.end);
-        let allowed = match self.budget {
-            _ if self.out_of_time() => 0,
-            Budget::Trials(trials) => batch.min(trials - self.trials),
-            Budget::Time(_) => batch,
-        };
-        usize::try_from(allowed).unwrap_or(usize::MAX)
+        self.space.restart(model, randoms, (belief, viewpoint), root);
+        self.space.choose(None);
+        self.expand_leaves(|_| true);
+        self.attach_expansions();
     }
 
     /// Choose the leaves of the next trials; until they are expanded each counts as settled, so that the others
     /// lie elsewhere.
-    fn choose_leaves(&mut self) -> usize {
-        let allowed = self.allowed();
-        for index in 0..allowed {
-            if self.space.tree.values[0].gap() <= 0.0 {
-                return index;
-            }
+    fn choose_leaves(&mut self) {
+        for _ in 0..self.allowed() {
             let leaf = self.explore();
-            self.space.choose(index, leaf);
+            if self.space.tree.child(leaf).values.gap() <= 0.0 {
+                return;
+            }
+            self.space.choose(leaf);
         }
-        allowed
     }
 
     /// One trial: follow the most promising action and the most uncertain label down to a leaf.
-    fn explore(&self) -> usize {
+    fn explore(&self) -> Option<Place> {
         let tree = &self.space.tree;
-        let mut node = 0;
-        while !tree.nodes[node].edges.is_empty() {
-            node = self.most_uncertain(indices(&tree.most_promising_edge(node).children));
+        let (mut place, mut child) = (None, &tree.root);
+        while let Some(node) = child.node {
+            let from = &tree.nodes[node as usize];
+            let edge = from.most_promising_edge();
+            let next = self.most_uncertain(&from.children, indices(&from.edges[edge].children));
+            place = Some(Place { node, edge: id(edge), child: id(next) });
+            child = &from.children[next];
         }
-        node
+        place
     }
 
     /// The child with the largest excess uncertainty: its gap beyond its share of the root's target gap.
-    fn most_uncertain(&self, children: std::ops::Range<usize>) -> usize {
-        let tree = &self.space.tree;
-        let target = TARGET_GAP * tree.values[0].gap();
-        let excess = |child: usize| tree.values[child].gap() - tree.nodes[child].probability * target;
-        let mut best = (children.start, f64::NEG_INFINITY);
-        for child in children {
-            let excess = excess(child);
+    fn most_uncertain(&self, children: &[Child], among: std::ops::Range<usize>) -> usize {
+        let target = TARGET_GAP * self.space.tree.root.values.gap();
+        let mut best = (among.start, f64::NEG_INFINITY);
+        for (index, child) in (among.start..).zip(&children[among]) {
+            let excess = child.values.gap() - child.probability * target;
             if excess > best.1 {
-                best = (child, excess);
+                best = (index, excess);
             }
         }
         best.0
     }
 
     /// Expand the chosen leaves, each on its own; a leaf that there is no more time for stays one.
-    fn expand_leaves(&mut self, trials: usize, in_time: impl Fn(&Self) -> bool + Sync) {
+    fn expand_leaves(&mut self, in_time: impl Fn(&Self) -> bool + Sync) {
         let Despot { model, randoms, .. } = self.despot;
-        let shared = self.parallel && trials >= WORTH_SHARING;
-        self.space.require_labels(model, randoms, trials, shared);
+        let shared = self.parallel && self.space.expansions.len() >= WORTH_SHARING;
+        self.space.require_labels(model, randoms, shared);
         let mut expansions = std::mem::take(&mut self.space.expansions);
-        let expand = |expansion: &mut Expansion| {
-            if in_time(self) {
-                expansion.run(self.despot, &self.space);
+        let mut scratch = std::mem::take(&mut self.space.scratch);
+        let per_task = if shared { PER_TASK } else { expansions.len() };
+        scratch.resize_with(scratch.len().max(expansions.len().div_ceil(per_task)), Scratch::default);
+        let expand = |(expansions, scratch): (&mut [Expansion], &mut Scratch)| {
+            for expansion in expansions {
+                if in_time(self) {
+                    expansion.run(self.despot, &self.space, scratch);
+                }
             }
         };
         if shared {
-            expansions[..trials].par_iter_mut().with_min_len(PER_TASK).for_each(expand);
+            expansions.par_chunks_mut(per_task).zip(&mut scratch).for_each(expand);
         } else {
-            expansions[..trials].iter_mut().for_each(expand);
+            expansions.chunks_mut(per_task).zip(&mut scratch).for_each(expand);
         }
-        self.space.expansions = expansions;
+        (self.space.expansions, self.space.scratch) = (expansions, scratch);
     }
 
-    /// Put what was made into the tree, in the order in which it was chosen; the number of trials done.
-    fn attach_expansions(&mut self, trials: usize) -> u64 {
-        let model = &self.despot.model;
-        let mut done = 0;
-        for index in 0..trials {
-            if let Some(scenarios) = self.space.attach(index) {
-                let viewpoint = self.space.tree.nodes[self.space.expansions[index].leaf].viewpoint;
-                self.scenario_steps += scenarios * model.legal_moves(viewpoint).len() as u64;
-                done += 1;
-            }
+    /// Put what was made into the tree and count it; the number of trials done.
+    fn attach_expansions(&mut self) -> u64 {
+        let mut trials = 0;
+        for Expansion { node, .. } in self.space.expansions.iter().filter(|expansion| expansion.done()) {
+            let moves = self.despot.model.legal_moves(node.viewpoint).len() as u64;
+            trials += 1;
+            self.nodes += node.children.len() as u64;
+            self.scenario_steps += moves * planes::count(&node.scenarios);
         }
-        done
+        self.space.attach();
+        trials
     }
 }
 

@@ -25,15 +25,26 @@ pub(crate) fn count(plane: &[u64]) -> u64 {
     plane.iter().map(|word| u64::from(word.count_ones())).sum()
 }
 
+/// Words that fill the widest register.
+const WIDE: usize = 8;
+
 /// `out = a & b`; whether any scenario is left.
 #[inline(always)]
 pub(crate) fn intersect(a: &[u64], b: &[u64], out: &mut [u64]) -> bool {
-    let mut any = 0;
-    for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
-        *out = a & b;
-        any |= *out;
+    let ((wide_a, rest_a), (wide_b, rest_b)) = (a.as_chunks::<WIDE>(), b.as_chunks::<WIDE>());
+    let (wide, rest) = out.as_chunks_mut::<WIDE>();
+    let mut any = [0; WIDE];
+    for ((out, a), b) in wide.iter_mut().zip(wide_a).zip(wide_b) {
+        for lane in 0..WIDE {
+            out[lane] = a[lane] & b[lane];
+            any[lane] |= out[lane];
+        }
     }
-    any != 0
+    for ((out, a), b) in rest.iter_mut().zip(rest_a).zip(rest_b) {
+        *out = a & b;
+        any[0] |= *out;
+    }
+    any.into_iter().fold(0, |any, word| any | word) != 0
 }
 
 /// Bit i of `out` says whether `values[i] < threshold`; thresholds reach 2^32, which every value is below.

@@ -41,11 +41,6 @@ impl Randoms {
         Self { seed, count, positions, visible: OnceLock::new(), blocks }
     }
 
-    /// Number of scenarios.
-    pub(crate) fn count(&self) -> usize {
-        self.count
-    }
-
     /// Draw what is needed to observe at `depth`.
     pub(crate) fn reach(&self, depth: usize, parallel: bool) {
         let per_block = DEPTHS * (self.positions + 1);

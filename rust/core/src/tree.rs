@@ -1,14 +1,15 @@
 //! The arena the search lives in.
 //!
-//! Values are *scaled*: multiplied by the probability of reaching their node and the discount down to it, so that
-//! a node's value is the plain sum of what lies below it. What the search reads all the time (values) lies apart
-//! from what it reads once (nodes).
+//! Values are *scaled*: multiplied by the probability of reaching their belief and the discount down to it, so that
+//! a belief's value is the plain sum of what lies below it. Most beliefs are leaves; a leaf is a [`Child`] of its
+//! parent and nothing else. A [`Node`] is a belief that is expanded; it owns its children.
 
 use std::ops::Range;
 
+use crate::belief::Memory;
 use crate::model::{Action, SortingModel};
 
-/// Scaled values of a node or an edge.
+/// Scaled values of a belief or an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Values {
     /// Lower bound of the regularised value, `l` of the DESPOT paper.
@@ -43,44 +44,31 @@ impl Values {
     }
 }
 
-/// A belief node. Its belief and its scenarios are kept once it is expanded; before that they follow from its
-/// parent's and its labels.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Node {
-    /// Planner steps since the root.
-    pub depth: usize,
-    /// Decisions since the root.
-    pub decisions: usize,
-    /// Where the camera stands.
-    pub viewpoint: usize,
+/// A belief as its parent sees it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Child {
+    /// A leaf's lower bound is the default policy's value.
+    pub values: Values,
     /// Probability of the labels on the way here, given the actions.
     pub probability: f64,
-    /// Scaled value of the default policy, `l_0` of the DESPOT paper.
-    pub default: f64,
     /// The labels that lead here from the parent, as digits in base L, the belt end's last; 0 where there is no scan.
     pub labels: u64,
-    /// The edge that leads here; `None` at the root.
-    pub parent: Option<u32>,
-    /// The node's actions; empty before expansion.
-    pub edges: Range<u32>,
-    /// Number of the expansion that made the edges.
-    pub expansion: u32,
+    /// Its node, once it is expanded.
+    pub node: Option<u32>,
 }
 
-impl Node {
-    /// The labels that lead here, the belt end's first.
-    #[inline(always)]
-    pub(crate) fn seen(&self, model: &SortingModel) -> impl Iterator<Item = usize> + use<> {
-        let (mut code, base) = (self.labels, model.class_count() as u64);
-        (0..model.position_count()).map(move |_| {
-            let digit = code % base;
-            code /= base;
-            // A digit is below L, which is a usize.
-            #[allow(clippy::cast_possible_truncation)]
-            let label = digit as usize;
-            label
-        })
-    }
+/// Labels from their code, the belt end's first.
+#[inline(always)]
+pub(crate) fn seen(model: &SortingModel, mut code: u64) -> impl Iterator<Item = usize> + use<> {
+    let base = model.class_count() as u64;
+    (0..model.position_count()).map(move |_| {
+        let digit = code % base;
+        code /= base;
+        // A digit is below L, which is a usize.
+        #[allow(clippy::cast_possible_truncation)]
+        let label = digit as usize;
+        label
+    })
 }
 
 /// An action at a node.
@@ -88,23 +76,121 @@ impl Node {
 pub(crate) struct Edge {
     /// The action.
     pub action: Action,
-    /// The node it starts from.
-    pub node: u32,
     /// Reward, less the regularisation, plus the values of labels that no scenario gives.
     pub fixed: Values,
     /// Values with what lies below.
     pub values: Values,
-    /// One child per label vector that some scenario gives.
+    /// Of the node's children: one per label vector that some scenario gives.
     pub children: Range<u32>,
+    /// Whether a child's values have changed since.
+    stale: bool,
 }
 
-/// All nodes and edges of one search; node 0 is the root.
+/// Where in the tree a child is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place {
+    pub node: u32,
+    pub edge: u32,
+    pub child: u32,
+}
+
+/// A belief that is expanded.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Node {
+    /// The child that it is; `None` at the root.
+    pub place: Option<Place>,
+    /// Planner steps since the root.
+    pub depth: usize,
+    /// Decisions since the root.
+    pub decisions: usize,
+    /// Where the camera stands.
+    pub viewpoint: usize,
+    /// As its child's.
+    pub probability: f64,
+    /// As its child's.
+    pub labels: u64,
+    /// Scaled value of the default policy, `l_0` of the DESPOT paper.
+    pub default: f64,
+    /// The exact belief, one distribution per position.
+    pub belief: Vec<f64>,
+    /// The last labels.
+    pub memory: Memory,
+    /// Plane of the scenarios that come here.
+    pub scenarios: Vec<u64>,
+    /// The actions.
+    pub edges: Vec<Edge>,
+    /// Each edge has a range of them.
+    pub children: Vec<Child>,
+}
+
+impl Node {
+    /// Become the root's or a leaf's node, not expanded yet; the memory is kept.
+    pub(crate) fn restart(&mut self, tree: &Tree, place: Option<Place>) {
+        let child = tree.child(place);
+        (self.depth, self.decisions, self.viewpoint) = (0, 0, tree.viewpoint);
+        if let Some(Place { node, edge, .. }) = place {
+            let parent = &tree.nodes[node as usize];
+            (self.depth, self.decisions, self.viewpoint) = parent.after(parent.edges[edge as usize].action);
+        }
+        (self.place, self.labels) = (place, child.labels);
+        (self.probability, self.default) = (child.probability, child.values.lower);
+        self.edges.clear();
+        self.children.clear();
+    }
+
+    /// Depth, decisions and viewpoint after an action.
+    pub(crate) fn after(&self, action: Action) -> (usize, usize, usize) {
+        match action {
+            Action::Move(viewpoint) => (self.depth + 1, self.decisions, viewpoint),
+            Action::Decide(_) => (self.depth + 1, self.decisions + 1, self.viewpoint),
+        }
+    }
+
+    /// Add an action; its children are those from `first` on.
+    pub(crate) fn push_edge(&mut self, action: Action, fixed: Values, first: usize) {
+        let children = id(first)..id(self.children.len());
+        self.edges.push(Edge { action, fixed, values: fixed, children, stale: false });
+        self.back_up_edge(self.edges.len() - 1);
+    }
+
+    /// Values of an edge from those of its children.
+    fn back_up_edge(&mut self, edge: usize) {
+        let edge = &mut self.edges[edge];
+        (edge.values, edge.stale) = (edge.fixed, false);
+        for child in &self.children[indices(&edge.children)] {
+            edge.values.add(child.values);
+        }
+    }
+
+    /// Bellman's equation: the best action; the bounds also know the default policy.
+    pub(crate) fn best_values(&self) -> Values {
+        let mut best = Values { lower: self.default, upper: self.default, estimate: f64::NEG_INFINITY };
+        for edge in &self.edges {
+            best.raise(edge.values);
+        }
+        best.estimate = best.estimate.max(best.lower).min(best.upper);
+        best
+    }
+
+    /// The action with the highest upper bound, the first among equals.
+    pub(crate) fn most_promising_edge(&self) -> usize {
+        let better = |best: usize, edge: usize| {
+            if self.edges[edge].values.upper > self.edges[best].values.upper { edge } else { best }
+        };
+        (1..self.edges.len()).fold(0, better)
+    }
+}
+
+/// All nodes of one search; node 0 is the root's.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Tree {
     pub nodes: Vec<Node>,
-    /// Parallel to `nodes`.
-    pub values: Vec<Values>,
-    pub edges: Vec<Edge>,
+    /// The root as a child of nobody.
+    pub root: Child,
+    /// Where the camera stands at the root.
+    pub viewpoint: usize,
+    /// Edges to back up, by node and number.
+    stale: Vec<(u32, u32)>,
 }
 
 /// Indices of an arena, as it stores them; a search stops long before 2^32 nodes.
@@ -119,84 +205,61 @@ pub(crate) fn indices(range: &Range<u32>) -> Range<usize> {
 }
 
 impl Tree {
-    /// Forget everything but the memory, and start from a root.
-    pub(crate) fn restart(&mut self, (root, values): (Node, Values)) {
-        self.nodes.clear();
-        self.values.clear();
-        self.edges.clear();
-        self.nodes.push(root);
-        self.values.push(values);
-    }
-
-    /// The actions of a node.
-    pub(crate) fn edges_of(&self, node: usize) -> &[Edge] {
-        &self.edges[indices(&self.nodes[node].edges)]
-    }
-
-    /// Give a leaf its edges and their children; both buffers are emptied. Ranges of children count from the buffer.
-    pub(crate) fn attach(
-        &mut self,
-        leaf: usize,
-        expansion: u32,
-        edges: &mut Vec<Edge>,
-        children: &mut Vec<(Node, Values)>,
-    ) {
-        let (first_edge, first_child) = (id(self.edges.len()), id(self.nodes.len()));
-        for (number, edge) in (first_edge..).zip(edges.iter_mut()) {
-            for (child, _) in &mut children[indices(&edge.children)] {
-                child.parent = Some(number);
-            }
-            edge.children = first_child + edge.children.start..first_child + edge.children.end;
-        }
-        self.edges.append(edges);
-        for (node, values) in children.drain(..) {
-            self.nodes.push(node);
-            self.values.push(values);
-        }
-        self.nodes[leaf].edges = first_edge..id(self.edges.len());
-        self.nodes[leaf].expansion = expansion;
-        for edge in indices(&self.nodes[leaf].edges) {
-            self.back_up_edge(edge);
+    /// The child at a place.
+    pub(crate) fn child(&self, place: Option<Place>) -> &Child {
+        match place {
+            None => &self.root,
+            Some(Place { node, child, .. }) => &self.nodes[node as usize].children[child as usize],
         }
     }
 
-    /// Bounds and estimate from `node` to the root. An expanded node's own come from its edges.
-    pub(crate) fn back_up(&mut self, mut node: usize) {
+    pub(crate) fn child_mut(&mut self, place: Option<Place>) -> &mut Child {
+        match place {
+            None => &mut self.root,
+            Some(Place { node, child, .. }) => &mut self.nodes[node as usize].children[child as usize],
+        }
+    }
+
+    /// Have a leaf count as settled for now, as far as upper bounds go.
+    pub(crate) fn settle(&mut self, mut place: Option<Place>) {
+        let mut upper = self.child(place).values.lower;
         loop {
-            if !self.nodes[node].edges.is_empty() {
-                self.values[node] = self.best_values(node);
+            let values = &mut self.child_mut(place).values;
+            let lost = values.upper - upper;
+            values.upper = upper;
+            let Some(Place { node, edge, .. }) = place.filter(|_| lost > 0.0) else { return };
+            let node = &mut self.nodes[node as usize];
+            let values = &mut node.edges[edge as usize].values;
+            values.upper = (values.upper - lost).max(values.lower);
+            upper = node.edges.iter().fold(node.default, |upper, edge| upper.max(edge.values.upper));
+            place = node.place;
+        }
+    }
+
+    /// Give a child values that its ancestors do not know yet.
+    pub(crate) fn revise(&mut self, place: Option<Place>, values: Values) {
+        self.child_mut(place).values = values;
+        let mut above = place;
+        while let Some(Place { node, edge, .. }) = above {
+            let parent = &mut self.nodes[node as usize];
+            if std::mem::replace(&mut parent.edges[edge as usize].stale, true) {
+                return;
             }
-            let Some(edge) = self.nodes[node].parent else { return };
-            self.back_up_edge(edge as usize);
-            node = self.edges[edge as usize].node as usize;
+            self.stale.push((node, edge));
+            above = parent.place;
         }
     }
 
-    /// Values of an edge from those of its children.
-    pub(crate) fn back_up_edge(&mut self, edge: usize) {
-        let edge = &mut self.edges[edge];
-        edge.values = edge.fixed;
-        for child in &self.values[indices(&edge.children)] {
-            edge.values.add(*child);
+    /// Bounds and estimates of all that lies above revised children. A node's number is above its parent's.
+    pub(crate) fn back_up(&mut self) {
+        self.stale.sort_unstable();
+        while let Some((index, edge)) = self.stale.pop() {
+            let node = &mut self.nodes[index as usize];
+            node.back_up_edge(edge as usize);
+            if self.stale.last().is_none_or(|(next, _)| *next != index) {
+                let (place, values) = (node.place, node.best_values());
+                self.child_mut(place).values = values;
+            }
         }
-    }
-
-    /// Bellman's equation: the best action; the bounds also know the default policy.
-    fn best_values(&self, node: usize) -> Values {
-        let default = self.nodes[node].default;
-        let mut best = Values { lower: default, upper: default, estimate: f64::NEG_INFINITY };
-        for edge in self.edges_of(node) {
-            best.raise(edge.values);
-        }
-        best.estimate = best.estimate.max(best.lower).min(best.upper);
-        best
-    }
-
-    /// The action with the highest upper bound, the first among equals.
-    pub(crate) fn most_promising_edge(&self, node: usize) -> &Edge {
-        let edges = self.edges_of(node);
-        edges
-            .iter()
-            .fold(&edges[0], |best, edge| if edge.values.upper > best.values.upper { edge } else { best })
     }
 }

@@ -2,13 +2,12 @@
 
 use super::Despot;
 use super::shortfall::Prospect;
-use super::workspace::Workspace;
 use crate::belief::{Memory, information, most_likely};
 use crate::bounds::{self, Look};
 use crate::model::{Action, SortingModel};
 use crate::planes;
-use crate::scenario::LookPoint;
-use crate::tree::{Node, Values};
+use crate::scenario::{LabelPlanes, LookPoint};
+use crate::tree::{Child, Node, Values};
 
 /// Where in the scenarios a scan is taken.
 #[derive(Debug, Clone, Copy)]
@@ -93,12 +92,11 @@ impl Brancher {
     pub(super) fn branch(
         &mut self,
         despot: &Despot,
-        space: &Workspace,
-        (node, scan, memory, scenarios): (&Node, &Scan, &Memory, &[u64]),
-        children: &mut Vec<(Node, Values)>,
+        labels: &LabelPlanes,
+        (node, scan, memory): (&mut Node, &Scan, &Memory),
     ) {
         let (l, h) = (despot.model.class_count(), despot.model.position_count());
-        self.start(despot, scenarios);
+        self.start(despot, &node.scenarios);
         let mut j = h - 1;
         loop {
             if self.labels[j] == l {
@@ -107,12 +105,13 @@ impl Brancher {
                 if j == h {
                     return;
                 }
-            } else if self.enter(despot, space, scan.look(&despot.model, memory, j)) {
+            } else if self.enter(despot, labels, scan.look(&despot.model, memory, j)) {
                 if j > 0 {
                     j -= 1;
                     continue;
                 }
-                children.push(self.child(despot, node, scan));
+                let child = self.child(despot, node);
+                node.children.push(child);
             }
             self.labels[j] += 1;
         }
@@ -136,12 +135,12 @@ impl Brancher {
 
     /// Take the label at hand of one position; whether any scenario gives it.
     #[inline(always)]
-    fn enter(&mut self, despot: &Despot, space: &Workspace, at: LookPoint) -> bool {
+    fn enter(&mut self, despot: &Despot, labels: &LabelPlanes, at: LookPoint) -> bool {
         let (j, z) = (at.position, self.labels[at.position]);
         let (words, g) = (self.planes.len() / self.probabilities.len(), despot.default_policy.group_count());
         let probability = self.probabilities[j + 1] * self.look.probability(j, z);
         let (here, behind) = self.planes.split_at_mut((j + 1) * words);
-        let given = space.labels.label(at, z);
+        let given = labels.label(at, z);
         if probability <= 0.0 || !planes::intersect(&behind[..words], given, &mut here[j * words..]) {
             return false;
         }
@@ -154,28 +153,23 @@ impl Brancher {
 
     /// The child of the labels at hand.
     #[inline(always)]
-    fn child(&mut self, despot: &Despot, node: &Node, scan: &Scan) -> (Node, Values) {
+    fn child(&mut self, despot: &Despot, node: &Node) -> Child {
         let l = despot.model.class_count() as u64;
         let probability = self.probabilities[0];
         let (value, entropy) = (self.worth[self.look.group()], self.entropies[0]);
         self.branched.mass += probability;
         self.branched.value += probability * value;
         self.branched.entropy += probability * entropy;
-        let below = Node {
-            depth: node.depth + 1,
-            decisions: scan.decisions,
-            viewpoint: scan.viewpoint,
-            probability: node.probability * probability,
-            labels: self.labels.iter().rev().fold(0, |code, z| code * l + *z as u64),
-            ..node.clone()
-        };
-        despot.leaf(below, value, entropy, self.uppers[self.labels[0]])
+        let probability = node.probability * probability;
+        let labels = self.labels.iter().rev().fold(0, |code, z| code * l + *z as u64);
+        let values = despot.leaf((node.depth + 1, probability), value, entropy, self.uppers[self.labels[0]]);
+        Child { values, probability, labels, node: None }
     }
 
     /// Values of the edge, its children left out: what the step earns, and the labels without a branch.
     #[inline(always)]
     pub(super) fn fixed(&self, despot: &Despot, node: &Node, reward: f64) -> Values {
-        let scale = despot.scale(node);
+        let scale = despot.scale(node.depth, node.probability);
         let next = scale * despot.model.discount();
         let rest = Prospect {
             mass: next * (1.0 - self.branched.mass).max(0.0),

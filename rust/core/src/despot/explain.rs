@@ -3,11 +3,10 @@
 use super::branch::Scan;
 use super::follow;
 use super::plan::Plan;
-use super::workspace::Workspace;
 use crate::belief::Memory;
 use crate::model::{Action, SortingModel};
 use crate::planes;
-use crate::tree::{Edge, Values, indices};
+use crate::tree::{Child, Edge, Node, Tree, Values, indices, seen};
 
 /// A belief of the tree. Values are in the unit of the rewards, as seen from this belief.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,8 +57,9 @@ impl Plan {
     /// The searched tree down to `depth` planner steps below the root.
     #[must_use]
     pub fn tree(&self, depth: usize) -> TreeNode {
-        let view = View { model: &self.model, space: &self.space };
-        view.node(0, &self.space.root, depth)
+        let view = View { model: &self.model, tree: &self.space.tree };
+        let tree = view.tree;
+        view.node((&tree.root, 0, tree.viewpoint), &self.space.root, depth)
     }
 }
 
@@ -68,52 +68,56 @@ type Known = (Vec<f64>, Memory);
 
 struct View<'a> {
     model: &'a SortingModel,
-    space: &'a Workspace,
+    tree: &'a Tree,
 }
 
 impl View<'_> {
-    fn node(&self, index: usize, known: &Known, depth: usize) -> TreeNode {
-        let tree = &self.space.tree;
-        let (node, expanded) = (&tree.nodes[index], !tree.nodes[index].edges.is_empty());
-        let Values { lower, upper, estimate } = self.unscaled(index, tree.values[index]);
-        let edges = if depth > 0 { tree.edges_of(index) } else { &[] };
+    /// A child at a depth, with the viewpoint.
+    fn node(&self, (child, at, viewpoint): (&Child, usize, usize), known: &Known, depth: usize) -> TreeNode {
+        let node = child.node.map(|node| &self.tree.nodes[node as usize]);
+        let Values { lower, upper, estimate } = self.unscaled(at, child.probability, child.values);
+        let shown = node.filter(|_| depth > 0);
+        let actions = shown.map_or_else(Vec::new, |node| self.actions(node, known, depth));
         TreeNode {
-            viewpoint: node.viewpoint,
+            viewpoint,
             value: estimate,
             lower,
             upper,
-            scenarios: expanded.then(|| planes::count(self.space.expanded(node.expansion).2)),
-            actions: edges.iter().map(|edge| self.action(index, known, edge, depth)).collect(),
+            scenarios: node.map(|node| planes::count(&node.scenarios)),
+            actions,
             belief: known.0.chunks_exact(self.model.class_count()).map(<[f64]>::to_vec).collect(),
         }
     }
 
-    fn action(&self, from: usize, known: &Known, edge: &Edge, depth: usize) -> TreeAction {
-        let Values { lower, upper, estimate } = self.unscaled(from, edge.values);
-        let mut branches: Vec<_> = indices(&edge.children)
-            .map(|child| self.branch(from, known, edge.action, child, depth))
-            .collect();
+    fn actions(&self, node: &Node, known: &Known, depth: usize) -> Vec<TreeAction> {
+        node.edges.iter().map(|edge| self.action(node, known, edge, depth)).collect()
+    }
+
+    fn action(&self, from: &Node, known: &Known, edge: &Edge, depth: usize) -> TreeAction {
+        let Values { lower, upper, estimate } = self.unscaled(from.depth, from.probability, edge.values);
+        let children = &from.children[indices(&edge.children)];
+        let mut branches: Vec<_> =
+            children.iter().map(|child| self.branch(from, known, edge.action, child, depth)).collect();
         branches.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         TreeAction { action: edge.action, value: estimate, lower, upper, branches }
     }
 
-    fn branch(&self, from: usize, known: &Known, action: Action, child: usize, depth: usize) -> TreeBranch {
-        let nodes = &self.space.tree.nodes;
+    fn branch(&self, from: &Node, known: &Known, action: Action, child: &Child, depth: usize) -> TreeBranch {
         let (mut belief, mut memory) = known.clone();
-        follow(self.model, &mut belief, &mut memory, action, &nodes[child]);
-        let scan = Scan::of(self.model, &nodes[from], action);
+        let (below, _, viewpoint) = from.after(action);
+        follow(self.model, (&mut belief, &mut memory), action, (viewpoint, child.labels));
+        let scan = Scan::of(self.model, from, action);
         TreeBranch {
-            probability: nodes[child].probability / nodes[from].probability,
-            labels: scan.map(|_| nodes[child].seen(self.model).collect()),
-            node: self.node(child, &(belief, memory), depth - 1),
+            probability: child.probability / from.probability,
+            labels: scan.map(|_| seen(self.model, child.labels).collect()),
+            node: self.node((child, below, viewpoint), &(belief, memory), depth - 1),
         }
     }
 
-    /// Values as seen from a node.
-    fn unscaled(&self, node: usize, values: Values) -> Values {
-        let node = &self.space.tree.nodes[node];
+    /// Values as seen from a belief at a depth that is reached with a probability.
+    fn unscaled(&self, depth: usize, probability: f64, values: Values) -> Values {
         #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // a depth is at most 1000
-        let scale = node.probability * self.model.discount().powi(node.depth as i32);
+        let scale = probability * self.model.discount().powi(depth as i32);
         Values { lower: values.lower / scale, upper: values.upper / scale, estimate: values.estimate / scale }
     }
 }

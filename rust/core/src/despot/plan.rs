@@ -51,12 +51,21 @@ impl PartialEq for Plan {
     }
 }
 
+impl Despot {
+    /// Upper bound of V*. It is no part of the search, but of the time that a plan takes.
+    pub(super) fn certified_upper(&self, belief: &[f64], viewpoint: usize) -> f64 {
+        let closed = bounds::upper(&self.model, belief, viewpoint);
+        let grid = self.certificate.as_ref().map(|grid| grid.at(&self.model, belief, viewpoint));
+        grid.map_or(closed, |grid| grid.min(closed))
+    }
+}
+
 impl Search<'_> {
-    pub(super) fn into_plan(self) -> Plan {
+    pub(super) fn into_plan(self, certified_upper: f64) -> Plan {
         let tree = &self.space.tree;
-        let (root, bounds) = (&tree.nodes[0], tree.values[0]);
+        let (root, bounds) = (&tree.nodes[0], tree.root.values);
         let mut values = Vec::new();
-        for edge in tree.edges_of(0) {
+        for edge in &root.edges {
             match edge.action {
                 Action::Decide(best) => values.extend(self.decisions(best, edge.values.estimate)),
                 Action::Move(_) => values.push((edge.action, edge.values.estimate)),
@@ -72,22 +81,15 @@ impl Search<'_> {
             } else {
                 bounds.lower
             }),
-            certified_upper: self.certified_upper(),
+            certified_upper,
             trials: self.trials,
             elapsed: self.start.elapsed(),
             scenario_steps: self.scenario_steps,
-            expansions: self.space.expanded_count() as u64,
-            nodes: tree.nodes.len() as u64,
+            expansions: tree.nodes.len() as u64,
+            nodes: self.nodes,
             model: Arc::clone(&self.despot.model),
             space: self.space,
         }
-    }
-
-    fn certified_upper(&self) -> f64 {
-        let Despot { model, certificate, .. } = self.despot;
-        let (belief, viewpoint) = (&self.space.root.0, self.space.tree.nodes[0].viewpoint);
-        let closed = bounds::upper(model, belief, viewpoint);
-        certificate.as_ref().map_or(closed, |grid| grid.at(model, belief, viewpoint).min(closed))
     }
 
     /// Whether the bounds are lowered by a price per policy node; the default policy's value never is.
@@ -101,9 +103,10 @@ impl Search<'_> {
         let Despot { model, default_policy, .. } = self.despot;
         let root = &self.space.tree.nodes[0];
         let worth = |edge: &Edge| if self.regularised() { edge.values.lower } else { edge.values.estimate };
-        let edges = self.space.tree.edges_of(0);
-        let best =
-            edges.iter().fold(&edges[0], |best, edge| if worth(edge) > worth(best) { edge } else { best });
+        let best = root
+            .edges
+            .iter()
+            .fold(&root.edges[0], |best, edge| if worth(edge) > worth(best) { edge } else { best });
         if self.regularised() && worth(best) < root.default {
             return default_policy.action(model, &self.space.root.0, root.viewpoint);
         }

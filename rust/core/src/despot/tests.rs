@@ -134,6 +134,10 @@ proptest! {
             (lower, upper) = (plan.lower, plan.upper);
         }
         prop_assert!(upper - lower < 1e-6, "not solved: [{lower}, {upper}]");
+        let tree = &despot.plan(&belief, 0, Budget::Trials(100_000)).unwrap().space.tree;
+        for (index, node) in tree.nodes.iter().enumerate() {
+            prop_assert_eq!(tree.child(node.place).node, Some(id(index)), "expanded twice");
+        }
         prop_assert!((lower - optimum).abs() < 1e-6, "{lower} is not {optimum}");
     }
 

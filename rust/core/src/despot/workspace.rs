@@ -4,15 +4,14 @@ use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::branch::Scan;
-use super::expand::Expansion;
+use super::expand::{Expansion, Scratch};
 use crate::belief::{Belief, Memory};
 use crate::model::{Action, SortingModel};
-use crate::planes;
 use crate::scenario::{LabelPlanes, LookPoint, Randoms};
-use crate::tree::{Node, Tree, Values, id};
+use crate::tree::{Child, Node, Place, Tree, id, seen};
 
-/// Nodes of a tree that is not kept for the next plan: an occasional long search would hold its memory for ever.
-const MOST_KEPT: usize = 4_000_000;
+/// Nodes that are kept for the next plan at most: an occasional long search would hold its memory for ever.
+const MOST_KEPT: usize = 100_000;
 
 /// Everything that a search writes to. Its content never outlives a plan, its memory does.
 #[derive(Debug, Default)]
@@ -21,13 +20,12 @@ pub(crate) struct Workspace {
     pub labels: LabelPlanes,
     /// What is known at the root: belief, one distribution per position, and last labels.
     pub root: (Vec<f64>, Memory),
-    /// Of expanded nodes, one after the other: beliefs, last labels and scenarios.
-    beliefs: Vec<f64>,
-    memories: Vec<Memory>,
-    scenarios: Vec<u64>,
-    words: usize,
-    /// One per leaf of a batch.
+    /// The leaves of a batch.
     pub expansions: Vec<Expansion>,
+    /// One per task.
+    pub scratch: Vec<Scratch>,
+    /// Nodes to be used again.
+    spare: Vec<Node>,
 }
 
 impl Workspace {
@@ -36,52 +34,27 @@ impl Workspace {
         &mut self,
         model: &SortingModel,
         randoms: &Randoms,
-        belief: &Belief,
-        root: (Node, Values),
+        (belief, viewpoint): (&Belief, usize),
+        root: Child,
     ) {
         self.root = (belief.as_slice().to_vec(), belief.memory().clone());
-        self.beliefs.clear();
-        self.memories.clear();
-        self.scenarios.clear();
-        self.words = planes::words(randoms.count());
         self.labels.restart(model, randoms, belief.as_slice());
-        self.tree.restart(root);
-    }
-
-    /// Belief, last labels and scenarios of an expanded node.
-    pub(super) fn expanded(&self, expansion: u32) -> (&[f64], &Memory, &[u64]) {
-        let (at, width) = (expansion as usize, self.root.0.len());
-        let scenarios = &self.scenarios[at * self.words..][..self.words];
-        (&self.beliefs[at * width..][..width], &self.memories[at], scenarios)
-    }
-
-    /// Number of expanded nodes.
-    pub(super) fn expanded_count(&self) -> usize {
-        self.memories.len()
+        self.spare.extend(self.tree.nodes.drain(..).rev());
+        (self.tree.root, self.tree.viewpoint) = (root, viewpoint);
     }
 
     /// Choose a leaf for an expansion; until it is attached the leaf counts as settled.
-    pub(super) fn choose(&mut self, index: usize, leaf: usize) {
-        if index == self.expansions.len() {
-            self.expansions.push(Expansion::default());
-        }
-        let values = &mut self.tree.values[leaf];
-        let expansion = &mut self.expansions[index];
-        (expansion.leaf, expansion.values, expansion.done) = (leaf, *values, false);
-        values.upper = values.lower;
-        self.tree.back_up(leaf);
+    pub(super) fn choose(&mut self, leaf: Option<Place>) {
+        let mut node = self.spare.pop().unwrap_or_default();
+        node.restart(&self.tree, leaf);
+        self.expansions.push(Expansion { node, values: self.tree.child(leaf).values });
+        self.tree.settle(leaf);
     }
 
-    /// Have the label planes that the first expansions need.
-    pub(super) fn require_labels(
-        &mut self,
-        model: &SortingModel,
-        randoms: &Randoms,
-        expansions: usize,
-        parallel: bool,
-    ) {
+    /// Have the label planes that the chosen leaves need.
+    pub(super) fn require_labels(&mut self, model: &SortingModel, randoms: &Randoms, parallel: bool) {
         let mut labels = std::mem::take(&mut self.labels);
-        let leaves = self.expansions[..expansions].iter().map(|expansion| &self.tree.nodes[expansion.leaf]);
+        let leaves = self.expansions.iter().map(|expansion| &expansion.node);
         randoms.reach(leaves.clone().map(|node| node.depth).max().unwrap_or(0), parallel);
         labels.require(model, randoms, leaves.flat_map(|node| self.looks_at(model, node)), parallel);
         self.labels = labels;
@@ -93,47 +66,42 @@ impl Workspace {
         let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
         let scans = moves.chain([Action::Decide(0)]).filter_map(|action| Scan::of(model, node, action));
         scans.flat_map(move |scan| {
-            let fresh = Memory::default();
-            let memory = if scan.decisions > node.decisions { &fresh } else { &memory };
-            let looks: Vec<_> =
-                (0..model.position_count()).map(|position| scan.look(model, memory, position)).collect();
-            looks
+            let decided = scan.decisions > node.decisions;
+            let memory = if decided { Memory::default() } else { memory.clone() };
+            (0..model.position_count()).map(move |position| scan.look(model, &memory, position))
         })
     }
 
     /// The last labels at a leaf.
-    fn memory_at(&self, model: &SortingModel, node: &Node) -> Memory {
-        let Some(edge) = node.parent else { return self.root.1.clone() };
-        let edge = &self.tree.edges[edge as usize];
-        let (_, before, _) = self.expanded(self.tree.nodes[edge.node as usize].expansion);
-        let mut memory = before.clone();
-        if let Action::Decide(_) = edge.action {
+    fn memory_at(&self, model: &SortingModel, leaf: &Node) -> Memory {
+        let Some(Place { node, edge, .. }) = leaf.place else { return self.root.1.clone() };
+        let parent = &self.tree.nodes[node as usize];
+        let action = parent.edges[edge as usize].action;
+        let mut memory = parent.memory.clone();
+        if let Action::Decide(_) = action {
             memory.clear();
         }
-        if Scan::of(model, node, edge.action).is_some() {
-            for (position, label) in node.seen(model).enumerate() {
-                memory.remember(model, position, node.viewpoint, label);
+        if Scan::of(model, parent, action).is_some() {
+            for (position, label) in seen(model, leaf.labels).enumerate() {
+                memory.remember(model, position, leaf.viewpoint, label);
             }
         }
         memory
     }
 
-    /// Put an expansion into the tree, if there was time for it; the number of its leaf's scenarios.
-    pub(super) fn attach(&mut self, index: usize) -> Option<u64> {
-        let expansion = &mut self.expansions[index];
-        let leaf = expansion.leaf;
-        self.tree.values[leaf] = expansion.values;
-        if !expansion.done {
-            self.tree.back_up(leaf);
-            return None;
+    /// Put the expansions for which there was time into the tree, in the order in which they were chosen.
+    pub(super) fn attach(&mut self) {
+        for expansion in self.expansions.drain(..) {
+            let place = expansion.node.place;
+            self.tree.revise(place, expansion.values);
+            if expansion.done() {
+                self.tree.child_mut(place).node = Some(id(self.tree.nodes.len()));
+                self.tree.nodes.push(expansion.node);
+            } else {
+                self.spare.push(expansion.node);
+            }
         }
-        let number = id(self.memories.len());
-        self.beliefs.extend(&expansion.belief);
-        self.memories.push(expansion.memory.clone());
-        self.scenarios.extend(&expansion.scenarios);
-        self.tree.attach(leaf, number, &mut expansion.edges, &mut expansion.children);
-        self.tree.back_up(leaf);
-        Some(planes::count(&self.expansions[index].scenarios))
+        self.tree.back_up();
     }
 }
 
@@ -172,7 +140,7 @@ impl DerefMut for Lease {
 impl Drop for Lease {
     fn drop(&mut self) {
         let space = std::mem::take(&mut self.space);
-        if space.tree.nodes.capacity() <= MOST_KEPT {
+        if space.tree.nodes.len() + space.spare.len() <= MOST_KEPT {
             self.pool.0.lock().unwrap_or_else(PoisonError::into_inner).push(space);
         }
     }

@@ -7,6 +7,7 @@ use crate::model::Action;
 
 /// Plans weighed at once; their numbers lie next to each other in memory.
 const LANES: usize = 8;
+const NUMBERS: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// A conditional plan for one object.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,12 +45,13 @@ pub(crate) struct PlanSet {
     plans: Vec<ConditionalPlan>,
     /// Blocks of [`LANES`] plans; in a block the `G(c)` of all its plans, class by class, then the `D_s(c)`.
     blocks: Vec<[f64; LANES]>,
+    arch: pulp::Arch,
 }
 
 impl PlanSet {
     pub(crate) fn new(plans: Vec<ConditionalPlan>) -> Self {
         let blocks = plans.chunks(LANES).flat_map(block).collect();
-        Self { plans, blocks }
+        Self { plans, blocks, arch: pulp::Arch::new() }
     }
 
     pub(crate) fn plans(&self) -> &[ConditionalPlan] {
@@ -59,49 +61,65 @@ impl PlanSet {
     /// The best plan at a belief when `continuation[s]` follows (the first among equals), and its value.
     #[inline(always)]
     pub(crate) fn best(&self, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
-        let (index, value) = self.best_index(belief, continuation);
+        let (index, value) = self.arch.dispatch(Best { blocks: &self.blocks, belief, continuation });
         (&self.plans[index], value)
     }
+}
 
-    /// Index and value of the best plan: lane by lane first, so that the lanes run side by side.
+/// Index and value of the best plan: lane by lane first, so that the lanes run side by side.
+///
+/// Products and sums are not fused, so that all processors agree to the bit.
+struct Best<'a> {
+    blocks: &'a [[f64; LANES]],
+    belief: &'a [f64],
+    continuation: &'a [f64],
+}
+
+impl pulp::WithSimd for Best<'_> {
+    type Output = (usize, f64);
+
     #[inline(always)]
-    fn best_index(&self, belief: &[f64], continuation: &[f64]) -> (usize, f64) {
-        let rows = belief.len() * (1 + continuation.len());
-        let mut best = [f64::NEG_INFINITY; LANES];
-        let mut found = [0_u64; LANES];
-        for (index, block) in (0_u64..).zip(self.blocks.chunks_exact(rows)) {
-            let (gains, discounts) = block.split_at(belief.len());
-            let mut values = [0.0; LANES];
-            accumulate(&mut values, gains, belief, 1.0);
-            for (row, w) in discounts.chunks_exact(belief.len()).zip(continuation) {
-                accumulate(&mut values, row, belief, *w);
+    fn with_simd<S: pulp::Simd>(self, simd: S) -> (usize, f64) {
+        let l = self.belief.len();
+        let mut best = simd.splat_f64s(f64::NEG_INFINITY);
+        let mut found = simd.splat_f64s(0.0);
+        let mut first = 0.0;
+        for block in self.blocks.chunks_exact(l * (1 + self.continuation.len())) {
+            let (gains, discounts) = block.split_at(l);
+            for (part, lanes) in S::as_simd_f64s(&NUMBERS).0.iter().enumerate() {
+                let mut values = mean(simd, gains, self.belief, part);
+                for (rows, w) in discounts.chunks_exact(l).zip(self.continuation) {
+                    let discount = mean(simd, rows, self.belief, part);
+                    values = simd.add_f64s(values, simd.mul_f64s(simd.splat_f64s(*w), discount));
+                }
+                let better = simd.greater_than_f64s(values, best);
+                best = simd.select_f64s(better, values, best);
+                let numbers = simd.add_f64s(simd.splat_f64s(first), *lanes);
+                found = simd.select_f64s(better, numbers, found);
             }
-            for lane in 0..LANES {
-                let better = values[lane] > best[lane];
-                best[lane] = if better { values[lane] } else { best[lane] };
-                found[lane] = if better { index } else { found[lane] };
-            }
+            first += LANES as f64;
         }
-        let top = best.iter().fold(f64::NEG_INFINITY, |top, value| if *value > top { *value } else { top });
-        let mut winner = u64::MAX;
-        for (lane, (value, block)) in (0_u64..).zip(best.into_iter().zip(found)) {
-            let index = block * LANES as u64 + lane;
-            winner = if value >= top { winner.min(index) } else { winner };
-        }
-        // Padding repeats a block's first plan, which has the smaller index and wins the tie.
-        #[allow(clippy::cast_possible_truncation)] // an index into `plans`
+        let top = simd.reduce_max_f64s(best);
+        let wins = simd.equal_f64s(best, simd.splat_f64s(top));
+        let winner = simd.reduce_min_f64s(simd.select_f64s(wins, found, simd.splat_f64s(f64::INFINITY)));
+        // Padding repeats a block's first plan, which has the smaller number and wins the tie.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // an index into `plans`
         (winner as usize, top)
     }
 }
 
-/// `values += factor * sum_c b_c rows[c]`.
+/// `sum_c b_c rows[c]` of some lanes; four classes at a time, which spares a loop its counting.
 #[inline(always)]
-fn accumulate(values: &mut [f64; LANES], rows: &[[f64; LANES]], belief: &[f64], factor: f64) {
-    for (row, b) in rows.iter().zip(belief) {
-        for (value, entry) in values.iter_mut().zip(row) {
-            *value += factor * b * entry;
-        }
+fn mean<S: pulp::Simd>(simd: S, rows: &[[f64; LANES]], belief: &[f64], part: usize) -> S::f64s {
+    let add = |sum, (row, b): (&[f64; LANES], &f64)| {
+        simd.add_f64s(sum, simd.mul_f64s(simd.splat_f64s(*b), S::as_simd_f64s(row).0[part]))
+    };
+    let ((fours, rest), (weights, others)) = (rows.as_chunks::<4>(), belief.as_chunks::<4>());
+    let mut sum = simd.splat_f64s(0.0);
+    for (rows, weights) in fours.iter().zip(weights) {
+        sum = rows.iter().zip(weights).fold(sum, add);
     }
+    rest.iter().zip(others).fold(sum, add)
 }
 
 /// One block; lanes without a plan repeat its first one, which wins every tie.
