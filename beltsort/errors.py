@@ -17,3 +17,7 @@ class DatabaseError(BeltsortError):
 
 class JournalError(BeltsortError):
     """The record of a run cannot be written or read."""
+
+
+class RecordingError(BeltsortError):
+    """Recorded scans, or the labels of them, cannot be read or written."""
