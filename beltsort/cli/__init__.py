@@ -10,9 +10,9 @@ from argparse import ArgumentParser
 from collections.abc import Sequence
 
 from beltsort import BeltsortError, __version__
-from beltsort.cli import bench, compare, demo, evaluate, export, info, plan, solve
+from beltsort.cli import bench, compare, demo, estimate, evaluate, export, info, plan, solve
 
-COMMANDS = (demo, info, plan, evaluate, compare, solve, export, bench)
+COMMANDS = (demo, info, plan, evaluate, compare, solve, export, estimate, bench)
 FAILED, INTERRUPTED = 2, 130
 
 
