@@ -40,7 +40,7 @@ class Entry:
     time
         UTC, ISO 8601.
     kind
-        `start`, `plan`, `intent`, `outcome`, `scan`, `bad_scan`, `decision`, `skip` or `end`.
+        `start`, `plan`, `intent`, `outcome`, `scan`, `drift`, `bad_scan`, `decision`, `skip` or `end`.
     object
         Number of the object at the belt end; None before the first.
     data

@@ -1,7 +1,7 @@
 """The loop: scan -> perceive -> belief -> plan -> act -> journal."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import beltsort
 from beltsort._core import (
@@ -19,6 +19,9 @@ from beltsort.journal import Journal
 from beltsort.policy import Policy
 from beltsort.report import Decision, SortingReport
 from beltsort.rules import Rules, Seen
+
+if TYPE_CHECKING:
+    from beltsort.tables import DriftWatch
 
 
 class PerceivedPosition(Protocol):
@@ -45,6 +48,7 @@ def sort_objects(
     *,
     objects: int,
     rules: Rules | None = None,
+    watch: "DriftWatch | None" = None,
 ) -> SortingReport:
     """Sort the next objects of the belt, journalling every step.
 
@@ -66,6 +70,8 @@ def sort_objects(
         `Rules.empty_looks` says so or, if the model has a class for empty cups, when that is decided.
     rules
         Limits; default `Rules()`.
+    watch
+        Sees every scan; its alarms are journalled as `drift`, and the run goes on.
 
     Raises
     ------
@@ -75,7 +81,7 @@ def sort_objects(
         Whatever else the cell, perception or the policy raise.
     """
     _check_fit(cell, model)
-    loop = _Loop(cell, perceive, policy, model, journal, rules or Rules())
+    loop = _Loop(cell, perceive, policy, model, journal, rules or Rules(), watch)
     try:
         loop.start(objects)
         while loop.index < objects:
@@ -96,9 +102,10 @@ class _Loop:
         model: SortingModel,
         journal: Journal,
         rules: Rules,
+        watch: "DriftWatch | None",
     ) -> None:
         self.cell, self.perceive, self.policy = cell, perceive, policy
-        self.model, self.journal, self.rules = model, journal, rules
+        self.model, self.journal, self.rules, self.watch = model, journal, rules, watch
         self.belief = Belief(model)
         self.empty = None if model.empty is None else model.classes.index(model.empty)
         self.viewpoint = self.index = self.steps = self.objects = 0
@@ -193,6 +200,7 @@ class _Loop:
         perceived = self.scan(stopped)
         labels = [self.label_of(what) for what in perceived]
         probabilities = self.belief.label_probabilities(self.viewpoint)
+        alarms = self.watch.observe(self.belief, self.viewpoint, labels) if self.watch else []
         dropped = []
         for position, (seen, label) in enumerate(zip(self.visible, labels, strict=True)):
             seen.looks += 1
@@ -209,6 +217,8 @@ class _Loop:
             belief=self.belief.probabilities.tolist(),
             last_labels=self.belief.last_labels.tolist(),
         )
+        for alarm in alarms:
+            self.journal.append("drift", **alarm.to_dict())
 
     def label_of(self, what: PerceivedPosition) -> int | None:
         """Return the label of one position; the model may have a class for empty cups."""

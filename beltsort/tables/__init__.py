@@ -2,6 +2,7 @@
 
 from beltsort.tables.collect import collect_counts, collect_scans, collect_training
 from beltsort.tables.counts import Counts, Look, count
+from beltsort.tables.drift import Alarm, DriftWatch
 from beltsort.tables.estimate import Estimate, estimate
 from beltsort.tables.label import label_recording
 from beltsort.tables.layout import agreement_text, table_one, table_two
@@ -11,7 +12,9 @@ from beltsort.tables.recording import read_recording
 from beltsort.tables.scans import LabelledScan
 
 __all__ = [
+    "Alarm",
     "Counts",
+    "DriftWatch",
     "Estimate",
     "LabelLog",
     "LabelledScan",
