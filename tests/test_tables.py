@@ -2,7 +2,10 @@ import doctest
 import os
 import pkgutil
 import signal
+import subprocess
+import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -187,6 +190,41 @@ def test_workers_leave_ctrl_c_to_the_parent(monkeypatch: pytest.MonkeyPatch, sma
     database = NearestNeighbour.train(np.ones((1, 308)), [0], small.classes)
     assert collect_counts(database, small, objects=4, workers=2).counts.sum() == 4 * 4
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def note_process(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> list[object]:
+    (Path(os.environ["MARKS"]) / str(os.getpid())).touch()
+    time.sleep(0.02)
+    return []
+
+
+WITH_WORKERS = """
+from beltsort.tables import collect
+from tests.test_tables import note_process
+if __name__ == "__main__":
+    collect._described = note_process
+    collect.collect_training(objects=10_000, workers=2)
+"""
+
+
+def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
+    script, marks = tmp_path / "script.py", tmp_path / "marks"
+    script.write_text(WITH_WORKERS)
+    marks.mkdir()
+    environment = {**os.environ, "MARKS": str(marks), "PYTHONPATH": os.pathsep.join(sys.path)}
+    process = subprocess.Popen([sys.executable, str(script)], env=environment)
+    until(lambda: len(list(marks.iterdir())) == 2)
+    process.kill()
+    process.wait()
+    workers = [Path("/proc") / path.name for path in marks.iterdir()]
+    until(lambda: not any(worker.exists() for worker in workers))
+
+
+def until(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 def leave_a_mark(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> list[object]:

@@ -53,8 +53,15 @@ class Estimate:
         return float(self.model.smoothing or 0.0)
 
     def warnings(self) -> list[str]:
-        """Return, in words, which assumptions the scans contradict."""
-        return [self._warning(finding) for finding in self.findings if finding.p <= SIGNIFICANT]
+        """Return, in words, what was never seen and which assumptions the scans contradict."""
+        seen = self.counts.counts.sum(axis=-1)
+        contradicted = [self._warning(finding) for finding in self.findings if finding.p <= SIGNIFICANT]
+        if seen.all():
+            return contradicted
+        never = (
+            f"{(seen == 0).sum()} of {seen.size} table rows have no labelled object: they are the prior alone"
+        )
+        return [never, *contradicted]
 
     def _warning(self, finding: Finding) -> str:
         where = " and ".join(str(j + 1) for j in finding.positions)

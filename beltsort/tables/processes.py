@@ -1,10 +1,12 @@
 """Work shared among processes."""
 
+import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread
 from typing import TypeVar
 
 import beltsort
@@ -63,13 +65,21 @@ def in_processes(
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:
-    """Return a pool of spawned processes (Open3D hangs in forked ones) that leave Ctrl-C to this one."""
-    return ProcessPoolExecutor(
-        workers,
-        mp_context=get_context("spawn"),
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    )
+    """Return a pool of spawned processes: Open3D hangs in forked ones."""
+    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_follow_parent)
+
+
+def _follow_parent() -> None:
+    """Leave Ctrl-C to the parent process, but do not outlive it, however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _reported(results: Iterator[Result], total: int, progress: Progress | None) -> Iterator[Result]:

@@ -129,10 +129,19 @@ def read_header(folder: Path) -> Header:
             f"cannot read {path} ({type(reason).__name__}: {reason}); expected the keys version ({VERSION}), "
             "classes, viewpoints and layout as `beltsort.tables.recording` describes them"
         ) from reason
+    sizes = asdict(header.layout)
+    if not isinstance(sizes["positions"], int) or not all(_positive(size) for size in sizes.values()):
+        raise RecordingError(
+            f"{path}: layout is {sizes}, expected positive numbers (metres), positions whole"
+        )
     for what, given in (("classes", header.classes), ("viewpoints", header.viewpoints)):
         if not given or len(set(given)) < len(given):
             raise RecordingError(f"{path}: {what} are {list(given)}, expected one or more, none twice")
     return header
+
+
+def _positive(size: object) -> bool:
+    return isinstance(size, int | float) and 0.0 < size < np.inf
 
 
 def read_manifest(folder: Path, header: Header) -> tuple[RecordedScan, ...]:
@@ -193,6 +202,9 @@ class _Reader:
         )
         for label, name in zip(true, objects, strict=True):
             self.check_object(label, name)
+        names = [name for name in objects if name is not None]
+        if len(set(names)) < len(names):
+            raise self.refusal(f"objects are {objects}, one at two positions", "name every object")
         return true, tuple(objects)
 
     def check_object(self, label: int | None, name: object) -> None:

@@ -15,7 +15,7 @@ import pytest
 import beltsort
 from beltsort.cell.simulated import CellConfig
 from beltsort.perception import NearestNeighbour
-from beltsort.tables import collect_counts, collect_training, estimate, record_simulated
+from beltsort.tables import LabelledScan, collect_counts, collect_training, estimate, record_simulated
 from beltsort.tables.log import LabelLog
 from tests.cli.running import command
 
@@ -120,8 +120,6 @@ def test_the_simulated_cell_trains_its_own_classifier_once(
 
 
 def test_repeats_are_put_into_the_model_and_warned_of_otherwise() -> None:
-    from beltsort.tables import LabelledScan
-
     rng = np.random.default_rng(0)
     scans = [
         LabelledScan(0, (true,), (f"{number} {true}",), (label,))
@@ -135,6 +133,12 @@ def test_repeats_are_put_into_the_model_and_warned_of_otherwise() -> None:
     assert warning.endswith("with probability 1.00; --repeats puts it into the model")
     repeating = estimate(scans, ["nut", "bolt"], ["above"], repeats=True)
     assert repeating.model.repeat[0, 0] == pytest.approx(1 - 1 / 122)
+
+
+def test_rows_without_an_object_are_warned_of() -> None:
+    scans = [LabelledScan(0, (0,), (f"{number}",), (0,)) for number in range(3)]
+    (warning,) = estimate(scans, ["nut", "bolt"], ["above"]).warnings()
+    assert warning == "1 of 2 table rows have no labelled object: they are the prior alone"
 
 
 @pytest.mark.parametrize(
