@@ -14,7 +14,9 @@ starts to bet at each look t:
 .. math:: M_t = (M_{t-1} + w(t)) \, e_t, \qquad \text{wealth}_t = M_t + \frac{1}{t + 1},
 
 again a martingale. So an alarm's false-alarm probability holds for the whole life of a watch, not per look.
-The price is that evidence has to grow as the square of the looks before the change.
+The price is that evidence has to grow as the square of the looks before the change: with the paper's tables,
+looks from random viewpoints and a false-alarm probability of 0.01, it takes 186 scans (median of 60 runs) to
+notice that 30 % of all labels have become noise if that happens after 200 scans, 355 if after 2000.
 
 References
 ----------
@@ -88,7 +90,7 @@ class DriftWatch:
         Whose beliefs are watched.
     false_alarm
         Probability, at most, that a watch of whatever length ever raises an alarm while the model is right;
-        between 0 and 1. Ten times smaller costs a few more looks (see the module), larger cries wolf.
+        between 0 and 1. Smaller delays true alarms (by a quarter from 0.05 to 0.01), larger cries wolf.
 
     Attributes
     ----------
@@ -123,7 +125,7 @@ class DriftWatch:
         self._gamblers: dict[tuple[int, int] | None, _Gambler] = {
             place: _Gambler() for place in [None, *np.ndindex(shape)]
         }
-        self._enough = len(self._gamblers) / false_alarm
+        self._enough = len(self._gamblers) / false_alarm  # each has its share of the probability
         self._excess, self._variance, self._looks = np.zeros((3, *shape))
 
     def observe(
