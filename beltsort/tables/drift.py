@@ -2,21 +2,22 @@ r"""Watch whether labels still come as the tables say.
 
 Before each look the model predicts its label: :math:`p(z) = \sum_c b(c) \, o(z \mid c)`, b being the belief
 *before* the look, so the truth need not be known. If tables, arrival prior and beliefs are right, z is drawn
-from p, whatever policy chose the look. A gambler who bets on noise, a share :math:`\lambda` of uniform labels
-among the L, multiplies his wealth by
+from p, whatever policy chose the look. Whoever bets on another prediction q multiplies his wealth by
+:math:`e = q(z) / p(z)`, whose mean under p is 1: his wealth is a martingale, and by Ville's inequality it
+ever reaches 1/alpha with probability alpha at most. A gambler here has two bets, of equal stakes:
 
-.. math:: e = 1 - \lambda + \frac{\lambda}{L \, p(z)},
+* noise: a share :math:`\lambda` of the labels is uniform, :math:`q(z) = (1 - \lambda) p(z) + \lambda / L`;
+* other shares: :math:`q(z) \propto p(z) \, r(z)`, r being how much oftener than predicted z came of late. It
+  finds what noise does not: a classifier that is wrong but sure, and so never contradicts itself.
 
-whose mean under p is 1: his wealth is a martingale, and by Ville's inequality it ever reaches 1/alpha with
-probability alpha at most. Since nobody knows when the change comes, a part w(t) = 1/(t (t + 1)) of one unit
-starts to bet at each look t:
+Since nobody knows when the change comes, a part w(t) = 1/(t (t + 1)) of one unit starts to bet at look t:
 
 .. math:: M_t = (M_{t-1} + w(t)) \, e_t, \qquad \text{wealth}_t = M_t + \frac{1}{t + 1},
 
 again a martingale. So an alarm's false-alarm probability holds for the whole life of a watch, not per look.
 The price is that evidence has to grow as the square of the looks before the change: with the paper's tables,
-looks from random viewpoints and a false-alarm probability of 0.01, it takes 186 scans (median of 60 runs) to
-notice that 30 % of all labels have become noise if that happens after 200 scans, 355 if after 2000.
+looks from random viewpoints and a false-alarm probability of 0.01, it takes 190 scans (median of 40 runs) to
+notice that 30 % of all labels have become noise if that happens after 200 scans, 380 if after 2000.
 
 References
 ----------
@@ -35,6 +36,8 @@ from beltsort.tables.counts import Array
 from beltsort.text import number_or_none
 
 NOISE = 0.2  # lambda; from 0.1 to 0.5 the delays differ little
+MEMORY = 0.98  # what shares of labels keep of their weight from look to look
+CAUTION = 5.0  # looks that are taken to have come as predicted before the first
 
 
 @dataclass(frozen=True)
@@ -62,27 +65,27 @@ class Alarm:
 
 
 class _Gambler:
-    """One wealth process."""
+    """One wealth process: two bets."""
 
     def __init__(self) -> None:
-        self.looks, self.at_stake = 0, 0.0
+        self.looks, self.at_stake = 0, np.zeros(2)  # by bet
 
-    def bet(self, factor: float) -> float:
-        """Take in one look; return the wealth."""
+    def bet(self, factors: Array) -> float:
+        """Take in one look, a factor for each bet; return the wealth."""
         self.looks += 1
-        self.at_stake = (self.at_stake + 1.0 / (self.looks * (self.looks + 1))) * factor
-        return self.at_stake + 1.0 / (self.looks + 1)
+        self.at_stake = (self.at_stake + 1.0 / (self.looks * (self.looks + 1))) * factors
+        return float(self.at_stake.mean()) + 1.0 / (self.looks + 1)
 
 
 class DriftWatch:
-    """Raises an alarm when labels are more surprising than the model allows.
+    """Raises an alarm when labels come otherwise than the model predicts.
 
     There is a gambler for each position and viewpoint (a moved camera), and one for all together (a new batch
     of objects). Each alarms once: after an alarm, look for the cause, estimate anew and begin a new watch.
 
     What it tests is the whole model: tables, arrival prior, and `repeat`. A class mix other than the arrival
-    prior is drift, too. Labels that have become *less* surprising raise no alarm. An alarm tells where labels
-    surprised; since one wrong table spoils the beliefs, others may come under suspicion with it.
+    prior is drift, too. Labels that agree more often than predicted raise no alarm by themselves. An alarm
+    tells where labels surprised; since one wrong table spoils the beliefs, others may come under suspicion.
 
     Parameters
     ----------
@@ -126,6 +129,7 @@ class DriftWatch:
             place: _Gambler() for place in [None, *np.ndindex(shape)]
         }
         self._enough = len(self._gamblers) / false_alarm  # each has its share of the probability
+        self._seen, self._expected = np.full((2, *shape, len(model.classes)), CAUTION)
         self._excess, self._variance, self._looks = np.zeros((3, *shape))
 
     def observe(
@@ -181,17 +185,29 @@ class DriftWatch:
         place = (position, viewpoint)
         with np.errstate(divide="ignore"):
             information = -np.log(predicted)
-            factor = 1.0 - NOISE + NOISE / np.float64(len(predicted) * predicted[label])
         possible = predicted > 0.0
         entropy = float(predicted[possible] @ information[possible])
         self._looks[place] += 1
         self._excess[place] += information[label] - entropy
         self._variance[place] += predicted[possible] @ (information[possible] - entropy) ** 2
-        return [alarm for where in (place, None) if (alarm := self._bet(where, float(factor))) is not None]
+        factors = self._factors(place, predicted, label)
+        return [alarm for where in (place, None) if (alarm := self._bet(where, factors)) is not None]
 
-    def _bet(self, place: tuple[int, int] | None, factor: float) -> Alarm | None:
+    def _factors(self, place: tuple[int, int], predicted: Array, label: int) -> Array:
+        """Return q(z) / p(z) of both bets, then learn from the label how often each comes."""
+        if predicted[label] == 0.0:
+            return np.full(2, np.inf)
+        noise = 1.0 - NOISE + NOISE / (len(predicted) * predicted[label])
+        ratio = self._seen[place] / self._expected[place]
+        factors = np.array([noise, ratio[label] / (predicted @ ratio)])
+        came = np.eye(len(predicted))[label]
+        for kept, new in ((self._seen, came), (self._expected, predicted)):
+            kept[place] = CAUTION + MEMORY * (kept[place] - CAUTION) + new
+        return factors
+
+    def _bet(self, place: tuple[int, int] | None, factors: Array) -> Alarm | None:
         gambler = self._gamblers.get(place)
-        if gambler is None or (wealth := gambler.bet(factor)) < self._enough:
+        if gambler is None or (wealth := gambler.bet(factors)) < self._enough:
             return None
         del self._gamblers[place]
         position, viewpoint = place or (None, None)

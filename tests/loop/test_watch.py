@@ -64,7 +64,9 @@ def test_an_alarm_is_journalled_after_its_scan_and_told(tmp_path: Path) -> None:
 
 
 def test_labels_as_the_tables_say_raise_no_alarm(tmp_path: Path) -> None:
-    watch, entries = sorted_with_watch(tmp_path, PAPER, [[0, 0]])
+    watch, entries = sorted_with_watch(
+        tmp_path, PAPER, [[0, 1], [0, 1], [1, 2], [1, 2], [2, 3], [2, 3], [3, 0], [3, 0]]
+    )
     assert watch.alarms == []
     assert all(entry.kind != "drift" for entry in entries)
     mean, _ = watch.surprise()

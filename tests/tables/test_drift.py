@@ -75,6 +75,16 @@ def test_a_new_batch_is_noticed_by_all_gamblers_together() -> None:
     assert everywhere >= 5
 
 
+def test_a_classifier_that_is_wrong_but_sure_is_noticed() -> None:
+    sure = np.broadcast_to(np.eye(4)[[1, 1, 3, 3]], MODEL.p_obs.shape)  # it never contradicts itself
+    delays = [
+        scans_until_alarm(DriftWatch(MODEL, false_alarm=0.05), seed, [MODEL.p_obs] * 200 + [sure] * 600) - 200
+        for seed in range(10)
+    ]
+    assert min(delays) > 0
+    assert np.median(delays) < 100
+
+
 def test_the_stakes_are_fair() -> None:
     table = np.array([[[[0.7, 0.3], [0.4, 0.6]]]])
     model = SortingModel(["nut", "bolt"], ["above"], table, arrival=[0.3, 0.7])
@@ -86,7 +96,7 @@ def test_the_stakes_are_fair() -> None:
             watch.observe(belief, 0, [label])
             belief.observe(0, [label])
         gambler = watch._gamblers[0, 0]
-        mean += probability * (gambler.at_stake + 1.0 / (gambler.looks + 1))
+        mean += probability * (gambler.at_stake.mean() + 1.0 / (gambler.looks + 1))
     assert mean == pytest.approx(1.0, abs=1e-12)
 
 
