@@ -86,6 +86,9 @@ class DriftWatch:
     What it tests is the whole model: tables, arrival prior, and `repeat`. A class mix other than the arrival
     prior is drift, too. Labels that agree more often than predicted raise no alarm by themselves. An alarm
     tells where labels surprised; since one wrong table spoils the beliefs, others may come under suspicion.
+    Tables estimated from few objects are wrong from the start, and said to be so: with a false-alarm
+    probability of 0.05, 1500 scans raised an alarm in 5 of 60 runs with tables of 100 objects a row, in 47 of
+    60 with tables of 20.
 
     Parameters
     ----------
@@ -114,7 +117,7 @@ class DriftWatch:
     >>> while not watch.alarms:  # nuts that are always seen as bolts
     ...     _ = watch.observe(sure, 0, [1])
     >>> watch.alarms[0].looks
-    22
+    11
     """
 
     def __init__(self, model: "beltsort.SortingModel", *, false_alarm: float = 0.01) -> None:
