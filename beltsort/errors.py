@@ -21,3 +21,7 @@ class JournalError(BeltsortError):
 
 class ViewpointError(BeltsortError):
     """Viewpoints cannot be chosen, reached or read."""
+
+
+class RecordingError(BeltsortError):
+    """Recorded scans, or the labels of them, cannot be read or written."""

@@ -1,7 +1,7 @@
 """Looking: a scan that can be used, what it shows, and what that says about the objects."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from beltsort._core import Belief, ImpossibleObservationError
 from beltsort.cell import CommandError, DepthCamera, EmergencyStopError, Scan
@@ -9,6 +9,9 @@ from beltsort.errors import CellError, CloudError
 from beltsort.progress import Progress
 from beltsort.record import Record
 from beltsort.rules import Rules, Timeouts
+
+if TYPE_CHECKING:
+    from beltsort.tables import DriftWatch
 
 
 class PerceivedPosition(Protocol):
@@ -45,6 +48,8 @@ class Observer:
         Writes an entry and applies it to `progress`.
     rules, timeouts
         Limits.
+    watch
+        Sees every scan; its alarms are written down.
     """
 
     def __init__(
@@ -55,9 +60,10 @@ class Observer:
         record: Record,
         rules: Rules,
         timeouts: Timeouts,
+        watch: "DriftWatch | None" = None,
     ) -> None:
         self._camera, self._perceive, self._progress, self._record = camera, perceive, progress, record
-        self._rules, self._timeouts = rules, timeouts
+        self._rules, self._timeouts, self._watch = rules, timeouts, watch
         empty = progress.model.empty
         self._empty = None if empty is None else progress.model.classes.index(empty)
 
@@ -77,6 +83,7 @@ class Observer:
         belief, viewpoint = self._progress.belief.copy(), self._progress.viewpoint
         probabilities = belief.label_probabilities(viewpoint)
         labels = [self._label_of(what) for what in perceived]
+        alarms = [] if self._watch is None else self._watch.observe(belief, viewpoint, labels)
         dropped = [
             {"position": position, "label": label, "probability": float(probabilities[position, label])}
             for position, label in enumerate(labels)
@@ -92,6 +99,8 @@ class Observer:
             belief=belief.probabilities.tolist(),
             last_labels=belief.last_labels.tolist(),
         )
+        for alarm in alarms:
+            self._record("drift", **alarm.to_dict())
 
     def _usable(self) -> Sequence[PerceivedPosition]:
         """Take a scan that perception can use."""

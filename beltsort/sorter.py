@@ -1,6 +1,6 @@
 """The loop: scan -> perceive -> belief -> plan -> act -> journal."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 import beltsort
@@ -16,6 +16,9 @@ from beltsort.record import Record, progress_in
 from beltsort.report import SortingReport
 from beltsort.rules import Rules, Timeouts
 
+if TYPE_CHECKING:
+    from beltsort.tables import DriftWatch
+
 __all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
 
 
@@ -30,6 +33,7 @@ def sort_objects(
     rules: Rules | None = None,
     timeouts: Timeouts | None = None,
     operator: Operator = nobody,
+    watch: "DriftWatch | None" = None,
 ) -> SortingReport:
     """Sort the next objects of the belt, journalling every step.
 
@@ -54,6 +58,8 @@ def sort_objects(
         Limits; default `Rules()` and `Timeouts()`.
     operator
         Asked what became of a command where no device can tell; by default the run ends as held.
+    watch
+        Sees every scan; its alarms are journalled as `drift`, and the run goes on.
 
     Raises
     ------
@@ -66,7 +72,7 @@ def sort_objects(
         Whatever else the cell, perception or the policy raise.
     """
     record = Record(journal, Progress.at_start(model))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator, watch)
     return loop.run(
         "start",
         run=uuid4().hex[:8],
@@ -86,6 +92,7 @@ def resume_sorting(
     rules: Rules | None = None,
     timeouts: Timeouts | None = None,
     operator: Operator = nobody,
+    watch: "DriftWatch | None" = None,
 ) -> SortingReport:
     """Go on with a run that was broken off, wherever that was.
 
@@ -95,7 +102,7 @@ def resume_sorting(
 
     Parameters
     ----------
-    cell, perceive, policy, rules, timeouts, operator
+    cell, perceive, policy, rules, timeouts, operator, watch
         As in `sort_objects`; the same as before, if the decisions are to be the same.
     journal
         The run's journal, opened with ``resume=True``.
@@ -113,7 +120,7 @@ def resume_sorting(
         As `sort_objects`.
     """
     record = Record(journal, progress_in(journal.path))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator, watch)
     return loop.run("resume", planner=_settings(policy), beltsort=beltsort.__version__)
 
 
@@ -127,13 +134,14 @@ class _Loop:
         rules: Rules,
         timeouts: Timeouts,
         operator: Operator,
+        watch: "DriftWatch | None",
     ) -> None:
         self.cell, self.policy, self.record, self.rules = cell, policy, record, rules
         self.progress = record.progress
         self.model = self.progress.model
         _check_fit(cell, self.model)
         self.commander = Commander(cell, self.progress, record, rules, timeouts, operator)
-        self.observer = Observer(cell.camera, perceive, self.progress, record, rules, timeouts)
+        self.observer = Observer(cell.camera, perceive, self.progress, record, rules, timeouts, watch)
 
     def run(self, kind: str, **data: Any) -> SortingReport:
         """Work until nothing is left, from a first entry on; write down how it ends."""

@@ -1,4 +1,4 @@
-"""What the loop costs besides scans and plans: beliefs, rules, and a journal that is on the disk at every step."""
+"""What the loop costs besides scans and plans: beliefs, rules, and a journal on the disk at every step."""
 
 import itertools
 from collections.abc import Iterator

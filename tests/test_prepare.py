@@ -11,8 +11,8 @@ from beltsort.cell.simulated import CellConfig
 from beltsort.errors import CellError
 from beltsort.perception import PerceptionConfig
 from beltsort.tables import prepare as module
-from beltsort.tables.collect import Progress
 from beltsort.tables.prepare import Prepared, prepare
+from beltsort.tables.processes import Progress
 
 
 @dataclass

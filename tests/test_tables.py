@@ -2,7 +2,10 @@ import doctest
 import os
 import pkgutil
 import signal
+import subprocess
+import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -24,7 +27,8 @@ from beltsort.tables import (
     table_one,
     table_two,
 )
-from beltsort.tables.collect import Round
+from beltsort.tables.log import Labels
+from beltsort.tables.rounds import Round
 
 CLASSES, VIEWPOINTS = ("lamp", "tube"), ("low", "high")
 
@@ -165,14 +169,6 @@ def test_at_least_one_process_works(workers: int) -> None:
         collect_training(workers=workers)
 
 
-def test_by_default_a_worker_has_each_core_that_may_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _pid: {3, 5, 6}, raising=False)
-    assert collect._cores() == 3
-    monkeypatch.delattr(os, "sched_getaffinity")
-    monkeypatch.setattr(os, "cpu_count", lambda: 7)
-    assert collect._cores() == 7
-
-
 def killed(_config: CellConfig, _perception: PerceptionConfig, _work: Round) -> None:
     os._exit(9)
 
@@ -184,20 +180,57 @@ def test_a_dead_worker_is_one_error_with_a_remedy(monkeypatch: pytest.MonkeyPatc
     assert raised.value.__suppress_context__, "the pool's own traceback is not shown"
 
 
-def one_look_if_deaf(_config: CellConfig, _database: NearestNeighbour, _work: Round) -> list[Look]:
-    return [Look(0, 0, 0, 0)] if signal.getsignal(signal.SIGINT) is signal.SIG_IGN else []
+def labelled_if_deaf(config: CellConfig, _database: NearestNeighbour, work: Round) -> Labels:
+    deaf = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    return dict.fromkeys(work.scan_names(config, collect.SCANS), (0 if deaf else None, None))
 
 
 def test_workers_leave_ctrl_c_to_the_parent(monkeypatch: pytest.MonkeyPatch, small: CellConfig) -> None:
-    monkeypatch.setattr(collect, "_labelled", one_look_if_deaf)
+    monkeypatch.setattr(collect, "_labelled", labelled_if_deaf)
     database = NearestNeighbour.train(np.ones((1, 308)), [0], small.classes)
-    assert collect_counts(database, small, objects=4, workers=2).counts.sum() == 4
+    assert collect_counts(database, small, objects=4, workers=2).counts.sum() == 4 * 4
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def leave_a_mark(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> None:
+def note_process(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> list[object]:
+    (Path(os.environ["MARKS"]) / str(os.getpid())).touch()
+    time.sleep(0.02)
+    return []
+
+
+WITH_WORKERS = """
+from beltsort.tables import collect
+from tests.test_tables import note_process
+if __name__ == "__main__":
+    collect._described = note_process
+    collect.collect_training(objects=10_000, workers=2)
+"""
+
+
+def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
+    script, marks = tmp_path / "script.py", tmp_path / "marks"
+    script.write_text(WITH_WORKERS)
+    marks.mkdir()
+    environment = {**os.environ, "MARKS": str(marks), "PYTHONPATH": os.pathsep.join(sys.path)}
+    process = subprocess.Popen([sys.executable, str(script)], env=environment)
+    until(lambda: len(list(marks.iterdir())) == 2)
+    process.kill()
+    process.wait()
+    workers = [Path("/proc") / path.name for path in marks.iterdir()]
+    until(lambda: not any(worker.exists() for worker in workers))
+
+
+def until(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def leave_a_mark(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> list[object]:
     time.sleep(0.02)
     (Path(os.environ["MARKS"]) / str(work.number)).touch()
+    return []
 
 
 def test_after_ctrl_c_no_further_rounds_are_begun(

@@ -15,6 +15,7 @@ from beltsort.cli import (
     classify,
     compare,
     demo,
+    estimate,
     evaluate,
     explain,
     export,
@@ -38,6 +39,7 @@ COMMANDS = (
     viewpoints,
     train,
     classify,
+    estimate,
     show,
     explain,
 )

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from beltsort.experiments.demo import DemoResult
-    from beltsort.tables.collect import Progress
     from beltsort.tables.prepare import Prepared, StageProgress
+    from beltsort.tables.processes import Progress
 
 
 def add_parser(subparsers: Subparsers) -> None:

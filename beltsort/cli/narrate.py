@@ -37,6 +37,8 @@ class Narrator:
                 text = f"{entry.data['command_id']} {entry.data['outcome']}: {entry.data['error']}"
             case "scan":
                 text = self._scan(entry.data)
+            case "drift":
+                text = self._drift(entry.data)
             case "bad_scan":
                 text = f"unusable scan: {entry.data['error']}"
             case "decision":
@@ -87,6 +89,12 @@ class Narrator:
         self.belief = data["belief"]
         beliefs = " | ".join(self.likely(row) for row in self.belief)
         return f"look from {self.viewpoints[data['viewpoint']]}: {' | '.join(seen)}  ->  {beliefs}"
+
+    def _drift(self, data: dict[str, Any]) -> str:
+        where = ""
+        if data["viewpoint"] is not None:
+            where = f" at position {data['position'] + 1} from {self.viewpoints[data['viewpoint']]}"
+        return f"warning: labels{where} no longer come as the tables say; estimate them anew"
 
     def _decision(self, data: dict[str, Any]) -> str:
         what = "reject" if data["label"] is None else f"decide {self.classes[data['label']]}"

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from beltsort.cli.output import tell
 
 if TYPE_CHECKING:
-    from beltsort.tables.collect import Progress
+    from beltsort.tables.processes import Progress
 
 
 def tenths(what: str) -> "Progress":

@@ -1,70 +1,17 @@
-"""Drive simulated cells through scans of every class at every viewpoint and position.
+"""Train a classifier on simulated cells, and label scans of them: see `beltsort.tables.rounds`."""
 
-Every count is an object drawn for it alone: a *round* at one viewpoint is L scenes in which each class stands
-once at each position, and every scene is a new cell with a seed of its own. So the result is a function of
-the seed, whatever the number of processes.
-"""
-
-import os
-import signal
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
-from typing import TypeVar
 
-import numpy as np
-
-import beltsort
-from beltsort.cell.protocols import Scan
 from beltsort.cell.simulated import CellConfig
-from beltsort.cell.simulated.randomness import checked_seed, generator
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig, describe, segment
 from beltsort.perception.vfh import Histogram
-from beltsort.tables.counts import Counts, Look, count
+from beltsort.tables.counts import Counts, count
+from beltsort.tables.log import LabelLog, Labels, label_missing
+from beltsort.tables.processes import Progress, in_processes
+from beltsort.tables.rounds import TABLE_STREAM, TRAINING_STREAM, Round, rounds_of
+from beltsort.tables.scans import LabelledScan, looks
 
-Progress = Callable[[int, int], None]
-Result = TypeVar("Result")
-
-TRAINING_STREAM, TABLE_STREAM = 0, 1  # no object is both trained on and counted
-
-
-@dataclass(frozen=True)
-class Round:
-    """L scenes at one viewpoint, in which every class stands once at every position."""
-
-    stream: int
-    seed: int
-    viewpoint: int
-    number: int
-
-    def scenes(self, config: CellConfig, scans: int) -> Iterator[tuple[list[int], list[Scan]]]:
-        """Yield the true classes of each scene, the belt end first, and `scans` scans of it."""
-        from beltsort.cell.simulated import SimulatedCell
-
-        rng = generator(self.seed, self.stream, self.viewpoint, self.number)
-        cups, classes = config.layout.positions + config.upstream, len(config.classes)
-        arrangement = np.stack([rng.permutation(classes) for _ in range(cups)])  # (cups, L)
-        for scene in range(classes):
-            true = [int(label) for label in arrangement[:, scene]]
-            cell = SimulatedCell(true, config, seed=int(rng.integers(2**63)))
-            stop = cell.move_to(self.viewpoint, "move")
-            yield true, [cell.scan(not_before=stop) for _ in range(scans)]
-
-
-def at_least_one(name: str, number: int) -> int:
-    """Return `number`, or raise an `ArgumentError` about `name` if it is below 1."""
-    if number < 1:
-        raise beltsort.ArgumentError(f"{name} is {number}, expected at least 1; give a positive number")
-    return number
-
-
-def _rounds(stream: int, seed: int, config: CellConfig, objects: int) -> list[Round]:
-    at_least_one("objects", objects)
-    viewpoints = range(len(config.viewpoints))
-    return [Round(stream, checked_seed(seed), k, number) for number in range(objects) for k in viewpoints]
+SCANS = 2  # of every scene that is counted
 
 
 def collect_training(
@@ -109,8 +56,8 @@ def collect_training(
         If a worker process dies.
     """
     config, perception = config or CellConfig(), perception or PerceptionConfig()
-    rounds = _rounds(TRAINING_STREAM, seed, config, objects)
-    described = _in_processes(partial(_described, config, perception), rounds, workers, progress)
+    rounds = rounds_of(TRAINING_STREAM, seed, config, objects)
+    described = in_processes(partial(_described, config, perception), rounds, workers, progress)
     rows = [row for part in described for row in part]
     return NearestNeighbour.train(
         [descriptor for _, descriptor in rows], [label for label, _ in rows], config.classes, perception
@@ -161,65 +108,68 @@ def collect_counts(
         If a worker process dies.
     """
     config = config or CellConfig()
-    rounds = _rounds(TABLE_STREAM, seed, config, objects)
-    looks = _in_processes(partial(_labelled, config, database), rounds, workers, progress)
-    every = (look for part in looks for look in part)
-    return count(every, config.layout.positions, len(config.viewpoints), len(config.classes))
+    scans = collect_scans(database, config, objects=objects, seed=seed, workers=workers, progress=progress)
+    return count(looks(scans), config.layout.positions, len(config.viewpoints), len(config.classes))
 
 
-def _labelled(config: CellConfig, database: NearestNeighbour, work: Round) -> list[Look]:
-    """Return one look, scanned twice, at every object of a round."""
-    perceive = Perception(config.layout, database)
-    looks = []
-    for true, scans in work.scenes(config, scans=2):
-        first, second = (perceive(scan) for scan in scans)
-        looks += [
-            Look(a.position, work.viewpoint, true[a.position], a.label, b.label)
-            for a, b in zip(first, second, strict=True)
-        ]
-    return looks
+def collect_scans(
+    database: NearestNeighbour,
+    config: CellConfig | None = None,
+    *,
+    objects: int = 100,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    log: LabelLog | None = None,
+) -> list[LabelledScan]:
+    """Label two scans of every scene that `collect_counts` counts.
 
+    Parameters
+    ----------
+    database, config, objects, seed, workers, progress
+        As in `collect_counts`.
+    log
+        Keeps the labels of every round as soon as they are known; what it holds already is not scanned again.
 
-def _in_processes(
-    task: Callable[[Round], Result], rounds: list[Round], workers: int | None, progress: Progress | None
-) -> list[Result]:
-    """Return the results in order."""
-    workers = _cores() if workers is None else at_least_one("workers", workers)
-    if workers == 1:
-        return _reported(map(task, rounds), len(rounds), progress)
-    pool = _pool(workers)
-    try:
-        return _reported(pool.map(task, rounds, chunksize=2), len(rounds), progress)
-    except BrokenProcessPool:
-        raise beltsort.BeltsortError(
-            f"a worker process died, expected {workers} to live: if memory ran out, give fewer workers; "
-            'a script must guard its main module by `if __name__ == "__main__":`'
-        ) from None
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _pool(workers: int) -> ProcessPoolExecutor:
-    """Return a pool of spawned processes (Open3D hangs in forked ones) that leave Ctrl-C to this one."""
-    return ProcessPoolExecutor(
+    Raises
+    ------
+    RecordingError
+        If the log cannot be written.
+    ArgumentError, BeltsortError
+        As `collect_counts`.
+    """
+    config = config or CellConfig()
+    rounds = rounds_of(TABLE_STREAM, seed, config, objects)
+    log = log or LabelLog()
+    label_missing(
+        partial(_labelled, config, database),
+        rounds,
+        lambda work: work.scan_names(config, SCANS),
+        log,
         workers,
-        mp_context=get_context("spawn"),
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
+        progress,
     )
+    known = log.labels()
+    return [scan for work in rounds for scan in _with_truth(work, config, known)]
 
 
-def _cores() -> int:
-    """Return the number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+def _labelled(config: CellConfig, database: NearestNeighbour, work: Round) -> Labels:
+    """Return the labels of every scan of a round, two of each scene."""
+    perceive = Perception(config.layout, database)
+    scans = (scan for _, both in work.scenes(config, SCANS) for scan in both)
+    return {
+        name: tuple(seen.label for seen in perceive(scan))
+        for name, scan in zip(work.scan_names(config, SCANS), scans, strict=True)
+    }
 
 
-def _reported(results: Iterable[Result], total: int, progress: Progress | None) -> list[Result]:
-    done = []
-    for result in results:
-        done.append(result)
-        if progress is not None:
-            progress(len(done), total)
-    return done
+def _with_truth(work: Round, config: CellConfig, known: Labels) -> list[LabelledScan]:
+    """Return the labelled scans of a round."""
+    names = iter(work.scan_names(config, SCANS))
+    return [
+        LabelledScan(
+            work.viewpoint, tuple(true), work.object_names(config, scene), observed=known[next(names)]
+        )
+        for scene, true in enumerate(work.true_classes(config))
+        for _ in range(SCANS)
+    ]

@@ -72,11 +72,7 @@ class Counts:
         ArgumentError
             If `smoothing` is not positive or too large to add up.
         """
-        if not (smoothing > 0.0 and np.isfinite(smoothing * self.counts.shape[-1])):
-            raise beltsort.ArgumentError(
-                f"smoothing is {smoothing}, expected a positive number, not infinite: zeros in a table make "
-                "beliefs irrevocable; 1 is a uniform prior"
-            )
+        check_smoothing(smoothing, self.counts.shape[-1])
         smoothed = self.counts + smoothing
         probabilities: Array = smoothed / smoothed.sum(axis=-1, keepdims=True)
         return probabilities
@@ -152,6 +148,15 @@ class Counts:
             counts=self.counts,
             smoothing=smoothing,
             **settings,
+        )
+
+
+def check_smoothing(smoothing: float, classes: int) -> None:
+    """Raise an `ArgumentError` unless `smoothing` is positive and so many of it add up."""
+    if not (smoothing > 0.0 and np.isfinite(smoothing * classes)):
+        raise beltsort.ArgumentError(
+            f"smoothing is {smoothing}, expected a positive number, not infinite: zeros in a table make "
+            "beliefs irrevocable; 1 is a uniform prior"
         )
 
 

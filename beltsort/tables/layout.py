@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.tables.counts import Counts
+from beltsort.tables.independence import Finding
+from beltsort.tables.intervals import credible_intervals
 
 Array = NDArray[np.float64]
 
@@ -72,6 +74,37 @@ def agreement_text(counts: Counts, viewpoints: Sequence[str]) -> str:
     ]  # fmt: skip
     header = ["position", "view", "accuracy", "two scans agree", "two objects agree", "repeat", "missed"]
     return _text("two scans of one object from one viewpoint", header, rows)
+
+
+def intervals_text(
+    counts: Counts, smoothing: float, classes: Sequence[str], viewpoints: Sequence[str]
+) -> str:
+    """Return the 95 % credible interval of every entry, by position, true class and viewpoint."""
+    lower, upper = credible_intervals(counts, smoothing)
+    rows = [
+        [
+            str(j + 1), classes[true], name,
+            *(f"{a:.3f}-{b:.3f}" for a, b in zip(lower[j, k, true], upper[j, k, true], strict=True)),
+        ]
+        for j in range(len(lower))
+        for true in range(len(classes))
+        for k, name in enumerate(viewpoints)
+    ]  # fmt: skip
+    return _text("95 % credible intervals", ["position", "true", "view", *classes], rows)
+
+
+def findings_text(findings: Sequence[Finding], viewpoints: Sequence[str]) -> str:
+    """Return what the tests of independence say, a row for each finding."""
+    rows = [
+        [
+            finding.assumption, viewpoints[finding.viewpoint],
+            ", ".join(str(j + 1) for j in finding.positions), str(finding.scans),
+            f"{finding.excess:+.3f}", f"{finding.p:.4f}",
+        ]
+        for finding in findings
+    ]  # fmt: skip
+    header = ["assumed independent", "view", "positions", "scans", "excess", "p"]
+    return _text("tests of independence given the classes", header, rows)
 
 
 def _numbers(row: Array) -> list[str]:

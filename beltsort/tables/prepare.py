@@ -16,8 +16,9 @@ import beltsort
 from beltsort.cell.simulated import CellConfig
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
-from beltsort.tables.collect import Progress, at_least_one, collect_counts, collect_training
+from beltsort.tables.collect import collect_counts, collect_training
 from beltsort.tables.counts import Counts
+from beltsort.tables.processes import Progress, at_least_one
 
 SEED = 2019  # of training and tables, whatever a run's own seed: all runs share one cache
 

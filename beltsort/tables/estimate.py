@@ -1,0 +1,154 @@
+"""From labelled scans to a model, and all that is to be said about it."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import beltsort
+from beltsort.tables.counts import Counts, count
+from beltsort.tables.independence import REPEAT, Finding, independence
+from beltsort.tables.intervals import (
+    WorstRow,
+    credible_intervals,
+    objects_needed,
+    standard_errors,
+    worst_row,
+)
+from beltsort.tables.scans import LabelledScan, looks
+from beltsort.text import number_or_none
+
+SIGNIFICANT = 0.05  # after Holm's correction
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A model from labelled scans.
+
+    Attributes
+    ----------
+    model
+        With the counts and the smoothing in it.
+    counts
+        Of independent objects.
+    scans
+        Number of scans.
+    worst
+        The table row that is known least.
+    missing
+        Further objects in each row that would bring every entry of the table to the wanted standard error.
+    findings
+        Tests of the model's assumptions.
+    """
+
+    model: "beltsort.SortingModel"
+    counts: Counts
+    scans: int
+    worst: WorstRow
+    missing: int
+    findings: list[Finding]
+
+    @property
+    def smoothing(self) -> float:
+        """Pseudo-counts of the prior."""
+        return float(self.model.smoothing or 0.0)
+
+    def warnings(self) -> list[str]:
+        """Return, in words, what was never seen and which assumptions the scans contradict."""
+        seen = self.counts.counts.sum(axis=-1)
+        contradicted = [self._warning(finding) for finding in self.findings if finding.p <= SIGNIFICANT]
+        if seen.all():
+            return contradicted
+        never = (
+            f"{(seen == 0).sum()} of {seen.size} table rows have no labelled object: they are the prior alone"
+        )
+        return [never, *contradicted]
+
+    def _warning(self, finding: Finding) -> str:
+        where = " and ".join(str(j + 1) for j in finding.positions)
+        said = f"p = {finding.p:.4f}, {finding.scans} scans"
+        view = self.model.viewpoints[finding.viewpoint]
+        if finding.assumption == REPEAT:
+            repeat = self.counts.repeat()[finding.positions[0], finding.viewpoint]
+            remedy = "" if self.model.repeat.any() else "; --repeats puts it into the model"
+            return (
+                f"position {where} from {view}: two scans of one object agree more often than two objects "
+                f"({finding.excess:+.3f}, {said}); a second look repeats the first with probability "
+                f"{repeat:.2f}{remedy}"
+            )
+        return (
+            f"positions {where} from {view}: {finding.assumption} depend on each other "
+            f"({finding.excess:+.3f} nats, {said}); the model takes them for independent"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain data, fit for JSON."""
+        lower, upper = credible_intervals(self.counts, self.smoothing)
+        return {
+            "classes": self.model.classes,
+            "viewpoints": self.model.viewpoints,
+            "scans": self.scans,
+            "smoothing": self.smoothing,
+            "counts": self.counts.counts.tolist(),
+            "missed": self.counts.missed.tolist(),
+            "p_obs": self.model.p_obs.tolist(),
+            "standard_errors": standard_errors(self.counts, self.smoothing).tolist(),
+            "lower": lower.tolist(),
+            "upper": upper.tolist(),
+            "repeat": [[number_or_none(share) for share in row] for row in self.counts.repeat().tolist()],
+            "worst_row": asdict(self.worst),
+            "missing_objects": self.missing,
+            "independence": [asdict(finding) for finding in self.findings],
+            "warnings": self.warnings(),
+        }
+
+
+def estimate(
+    scans: Sequence[LabelledScan],
+    classes: Sequence[str],
+    viewpoints: Sequence[str],
+    *,
+    smoothing: float = 1.0,
+    repeats: bool = False,
+    error: float = 0.03,
+    note: str = "",
+) -> Estimate:
+    """Estimate a model.
+
+    Parameters
+    ----------
+    scans
+        At least one.
+    classes, viewpoints
+        Names.
+    smoothing, repeats
+        As in `Counts.model`.
+    error
+        The standard error that is wanted of every entry; half of a 95 % interval is about twice that.
+    note
+        The model's note.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no scan, or `smoothing` or `error` makes no sense.
+
+    Examples
+    --------
+    >>> scans = [LabelledScan(0, (i % 2,), (f"object {i}",), (i % 2,)) for i in range(20)]
+    >>> result = estimate(scans, ["nut", "bolt"], ["above"], error=0.05)
+    >>> result.model.p_obs[0, 0].round(3).tolist()
+    [[0.917, 0.083], [0.083, 0.917]]
+    >>> result.missing
+    18
+    """
+    if not scans:
+        raise beltsort.ArgumentError("there are 0 labelled scans, expected at least one: scan some objects")
+    counts = count(looks(scans), len(scans[0].true), len(viewpoints), len(classes))
+    return Estimate(
+        counts.model(classes, viewpoints, smoothing=smoothing, repeats=repeats, note=note),
+        counts,
+        len(scans),
+        worst_row(counts, smoothing, error),
+        int(objects_needed(counts, smoothing, error).max()),
+        independence(scans),
+    )

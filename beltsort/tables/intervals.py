@@ -1,0 +1,108 @@
+"""How well a table is known: standard errors, credible intervals, and what more objects would bring.
+
+Each row has a Dirichlet posterior, the symmetric prior of `Counts.probabilities` plus the counts; each entry
+of it has a Beta distribution.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import betaincinv
+
+import beltsort
+from beltsort.tables.counts import Array, Counts
+
+CREDIBILITY = 0.95
+
+
+def standard_errors(counts: Counts, smoothing: float) -> Array:
+    """Return the posterior standard deviation of every entry, shape (H, K, L, L).
+
+    Examples
+    --------
+    >>> from beltsort.tables import Look, count
+    >>> counts = count([Look(0, 0, 0, 0)] * 3, positions=1, viewpoints=1, classes=2)
+    >>> standard_errors(counts, smoothing=1.0)[0, 0].round(3).tolist()
+    [[0.163, 0.163], [0.289, 0.289]]
+    """
+    mean = counts.probabilities(smoothing)
+    weight = (counts.counts + smoothing).sum(axis=-1, keepdims=True)
+    errors: Array = np.sqrt(mean * (1.0 - mean) / (weight + 1.0))
+    return errors
+
+
+def credible_intervals(counts: Counts, smoothing: float) -> tuple[Array, Array]:
+    """Return the lower and upper ends of the 95 % intervals, equal tails, shape (H, K, L, L) each."""
+    own = counts.counts + smoothing
+    others = own.sum(axis=-1, keepdims=True) - own
+    tail = (1.0 - CREDIBILITY) / 2.0
+    if own.shape[-1] == 1:
+        return np.ones(own.shape), np.ones(own.shape)
+    return betaincinv(own, others, tail), betaincinv(own, others, 1.0 - tail)
+
+
+@dataclass(frozen=True)
+class WorstRow:
+    """The table row with the largest standard error.
+
+    Attributes
+    ----------
+    position, viewpoint, true
+        Indices of the row.
+    error
+        The largest standard error in it.
+    objects
+        Objects counted in it.
+    missing
+        Further objects that would bring all of its entries to the wanted error, if their shares stay what
+        they are; at most shares of one half are asked for more.
+    """
+
+    position: int
+    viewpoint: int
+    true: int
+    error: float
+    objects: int
+    missing: int
+
+
+def worst_row(counts: Counts, smoothing: float, wanted: float) -> WorstRow:
+    """Return the row that needs most.
+
+    Parameters
+    ----------
+    counts, smoothing
+        As in `standard_errors`.
+    wanted
+        The standard error that every entry shall have at most.
+
+    Raises
+    ------
+    ArgumentError
+        If `wanted` is not between 0 and 1.
+    """
+    errors = standard_errors(counts, smoothing).max(axis=-1)
+    needed = objects_needed(counts, smoothing, wanted)
+    row = np.unravel_index(int(errors.argmax()), errors.shape)
+    position, viewpoint, true = (int(index) for index in row)
+    objects = int(counts.counts[row].sum())
+    return WorstRow(position, viewpoint, true, float(errors[row]), objects, int(needed[row]))
+
+
+def objects_needed(counts: Counts, smoothing: float, wanted: float) -> NDArray[np.int64]:
+    """Return how many more objects each row needs, shape (H, K, L): see `worst_row`."""
+    check_error(wanted)
+    mean = counts.probabilities(smoothing)
+    variance = (mean * (1.0 - mean)).max(axis=-1)
+    weight = (counts.counts + smoothing).sum(axis=-1)
+    missing: Array = np.ceil(np.maximum(variance / wanted**2 - 1.0 - weight, 0.0))
+    return missing.astype(np.int64)
+
+
+def check_error(wanted: float) -> None:
+    """Raise an `ArgumentError` unless `wanted` is between 0 and 1."""
+    if not 0.0 < wanted < 1.0:
+        raise beltsort.ArgumentError(
+            f"the wanted standard error is {wanted}, expected a number between 0 and 1, such as 0.03"
+        )

@@ -1,0 +1,162 @@
+"""Write recordings."""
+
+import json
+import os
+from collections.abc import Iterable
+from dataclasses import asdict, fields
+from functools import partial
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from beltsort.cell.simulated import CellConfig
+from beltsort.errors import RecordingError
+from beltsort.geometry import Points
+from beltsort.tables.collect import SCANS
+from beltsort.tables.processes import Progress, in_processes
+from beltsort.tables.recording import (
+    HEADER,
+    MANIFEST,
+    Header,
+    RecordedScan,
+    Recording,
+    read_header,
+    read_manifest,
+    read_recording,
+)
+from beltsort.tables.rounds import TABLE_STREAM, Round, rounds_of
+
+
+class RecordingWriter:
+    """Adds scans to a recording, new or begun before.
+
+    A scan's cloud is on the disk before its line, so a killed recording is complete but for its last scans.
+
+    Parameters
+    ----------
+    folder
+        Made if it is missing.
+    header
+        What is the same for all scans; a recording that was begun before must have the same.
+
+    Raises
+    ------
+    RecordingError
+        If the folder cannot be written, or holds another recording.
+    """
+
+    def __init__(self, folder: Path, header: Header) -> None:
+        self.folder, self.header = folder, header
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            if not (folder / HEADER).exists():
+                _write_whole(folder / HEADER, header.to_json().encode())
+            self._manifest = (folder / MANIFEST).open("ab+")
+            self._drop_torn_line()
+        except OSError as reason:
+            raise RecordingError(
+                f"the recording {folder} cannot be written: {reason}; name another folder"
+            ) from reason
+        there = read_header(folder)
+        differing = [f.name for f in fields(Header) if getattr(there, f.name) != getattr(header, f.name)]
+        if differing:
+            self._manifest.close()
+            raise RecordingError(
+                f"{folder / HEADER} describes other scans, expected the same {', '.join(differing)}: name "
+                "another folder"
+            )
+
+    def files(self) -> set[str]:
+        """Return the files that are listed."""
+        return {scan.file for scan in read_manifest(self.folder, self.header)}
+
+    def append(self, scans: Iterable[RecordedScan]) -> None:
+        """List scans whose clouds are written; the lines are on the disk when this returns."""
+        self._manifest.write("".join(scan.line(self.header) for scan in scans).encode())
+        self._manifest.flush()
+        os.fsync(self._manifest.fileno())
+
+    def __enter__(self) -> Self:
+        """Use the writer as a context that closes the manifest."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the manifest."""
+        self._manifest.close()
+
+    def _drop_torn_line(self) -> None:
+        """Cut off what a killed writer left behind the last complete line."""
+        self._manifest.seek(0)
+        content = self._manifest.read()
+        self._manifest.truncate(content.rfind(b"\n") + 1)
+
+
+def record_simulated(
+    folder: Path,
+    config: CellConfig | None = None,
+    *,
+    objects: int = 100,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Recording:
+    """Record the scans that `collect_counts` labels: whole depth images, 7 MB each.
+
+    Parameters
+    ----------
+    folder
+        The recording; one that was interrupted goes on where it stopped.
+    config, objects, seed, workers, progress
+        As in `collect_counts`.
+
+    Raises
+    ------
+    RecordingError
+        If the folder cannot be written or holds another recording.
+    ArgumentError, BeltsortError
+        As `collect_counts`.
+    """
+    config = config or CellConfig()
+    rounds = rounds_of(TABLE_STREAM, seed, config, objects)
+    settings = json.loads(json.dumps(asdict(config)))
+    viewpoints = tuple(viewpoint.name for viewpoint in config.viewpoints)
+    source = {"cell": "simulated", "seed": seed, "settings": settings}
+    with RecordingWriter(folder, Header(config.classes, viewpoints, config.layout, source)) as writer:
+        known = writer.files()
+        waiting = [work for work in rounds if not known >= set(_files(work, config))]
+        for scans in in_processes(partial(_recorded, folder, config), waiting, workers, progress):
+            writer.append(scan for scan in scans if scan.file not in known)
+    return read_recording(folder)
+
+
+def _files(work: Round, config: CellConfig) -> list[str]:
+    return [f"{name}.npy" for name in work.scan_names(config, SCANS)]
+
+
+def _recorded(folder: Path, config: CellConfig, work: Round) -> list[RecordedScan]:
+    """Write the clouds of a round."""
+    files, recorded = iter(_files(work, config)), []
+    for scene, (true, scans) in enumerate(work.scenes(config, SCANS)):
+        for scan in scans:
+            file = next(files)
+            _write_cloud(folder / file, scan.points)
+            visible = tuple(true[: config.layout.positions])
+            names = work.object_names(config, scene)
+            recorded.append(RecordedScan(file, work.viewpoint, visible, names, scan.world_from_camera))
+    return recorded
+
+
+def _write_cloud(path: Path, points: Points) -> None:
+    half_done = path.with_suffix(".part")
+    with half_done.open("wb") as file:
+        np.save(file, points, allow_pickle=False)
+        file.flush()
+        os.fsync(file.fileno())
+    half_done.replace(path)
+
+
+def _write_whole(path: Path, content: bytes) -> None:
+    half_done = path.with_suffix(".part")
+    half_done.write_bytes(content)
+    half_done.replace(path)

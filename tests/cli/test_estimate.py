@@ -1,0 +1,171 @@
+"""beltsort estimate."""
+
+import json
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import beltsort
+from beltsort.cell.simulated import CellConfig
+from beltsort.perception import NearestNeighbour
+from beltsort.tables import LabelledScan, collect_counts, collect_training, estimate, record_simulated
+from beltsort.tables.log import LabelLog
+from tests.cli.running import command
+
+
+@pytest.fixture(scope="module")
+def config() -> CellConfig:
+    config = CellConfig()
+    return replace(config, viewpoints=config.viewpoints[1:2])
+
+
+@pytest.fixture(scope="module")
+def classifier(config: CellConfig, tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("classifier") / "database.npz"
+    collect_training(config, objects=2, seed=3, workers=1).save(path)
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def folder(config: CellConfig, tmp_path_factory: pytest.TempPathFactory) -> str:
+    return str(record_simulated(tmp_path_factory.mktemp("recorded"), config, objects=2, workers=1).folder)
+
+
+def test_from_a_folder(folder: str, classifier: str, config: CellConfig, tmp_path: Path) -> None:
+    model, figure = tmp_path / "model.json", tmp_path / "tables.png"
+    given = ("estimate", folder, "--classifier", classifier, "-o", str(model), "--workers", "1")
+    done = command(*given, "--figure", str(figure), "--smoothing", "0.5", "--json")
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    counts = collect_counts(NearestNeighbour.load(classifier), config, objects=2, workers=1)
+    assert result["counts"] == counts.counts.tolist()
+    saved = beltsort.SortingModel.load(model)
+    np.testing.assert_array_equal(saved.p_obs, counts.probabilities(0.5))
+    np.testing.assert_array_equal(np.asarray(saved.counts), counts.counts)
+    assert saved.smoothing == 0.5
+    assert result["scans"] == 16
+    assert result["worst_row"]["error"] == np.max(result["standard_errors"])
+    assert result["missing_objects"] > 100
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+    again = command(*given, "--error", "0.2")
+    assert f"16 scans are labelled already in {model.with_suffix('.labels')}\n" in again.stderr
+    assert "p(observed | true = livarno), position 1" in again.stdout
+    assert "tests of independence given the classes" in again.stdout
+    assert "more objects in each row would bring every one to 0.2" not in again.stdout
+
+
+def test_killed_and_begun_again(classifier: str, tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    given = [
+        *("estimate", "simulated", "--objects", "2", "--classifier", classifier),
+        *("-o", str(path), "--workers", "1", "--json"),
+    ]
+    process = subprocess.Popen([sys.executable, "-m", "beltsort", *given], stderr=subprocess.DEVNULL)
+    while (labelled := scans_in(path.with_suffix(".labels"))) < 8:
+        assert process.poll() is None
+        time.sleep(0.02)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL
+    assert not path.exists()
+    labelled = scans_in(path.with_suffix(".labels"))
+    assert 8 <= labelled < 48
+
+    done = command(*given)
+    assert f"{labelled} scans are labelled already" in done.stderr
+    result = json.loads(done.stdout)
+    assert result["scans"] == scans_in(path.with_suffix(".labels")) == 48
+    counts = collect_counts(NearestNeighbour.load(classifier), objects=2, workers=1)
+    assert result["counts"] == counts.counts.tolist()
+
+
+def scans_in(log: Path) -> int:
+    """Count what is written, from outside and while it is being written."""
+    if not log.exists():
+        return 0
+    database = sqlite3.connect(log)
+    try:
+        return int(database.execute("SELECT count(*) FROM scans").fetchone()[0])
+    except sqlite3.OperationalError:  # no table yet
+        return 0
+    finally:
+        database.close()
+
+
+def test_the_simulated_cell_trains_its_own_classifier_once(
+    classifier: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from beltsort.cli import main
+
+    trained = []
+
+    def train(**_settings: object) -> NearestNeighbour:
+        trained.append(1)
+        return NearestNeighbour.load(classifier)
+
+    monkeypatch.setattr("beltsort.tables.collect_training", train)
+    given = ["estimate", "simulated", "--objects", "1", "-o", str(tmp_path / "m.json"), "--workers", "1"]
+    assert main([*given, "--record", str(tmp_path / "recorded")]) == 0
+    assert main([*given, "--record", str(tmp_path / "recorded")]) == 0
+    assert trained == [1]
+    assert (tmp_path / "m.classifier.npz").exists()
+    assert "24 scans are labelled already" in capsys.readouterr().err
+
+
+def test_repeats_are_put_into_the_model_and_warned_of_otherwise() -> None:
+    rng = np.random.default_rng(0)
+    scans = [
+        LabelledScan(0, (true,), (f"{number} {true}",), (label,))
+        for number in range(60)
+        for true in range(2)
+        for label in [int(rng.random() < 0.3) ^ true]
+        for _ in range(2)
+    ]
+    (warning,) = estimate(scans, ["nut", "bolt"], ["above"]).warnings()
+    assert "position 1 from above: two scans of one object agree more often than two objects" in warning
+    assert warning.endswith("with probability 1.00; --repeats puts it into the model")
+    repeating = estimate(scans, ["nut", "bolt"], ["above"], repeats=True)
+    assert repeating.model.repeat[0, 0] == pytest.approx(1 - 1 / 122)
+
+
+def test_rows_without_an_object_are_warned_of() -> None:
+    scans = [LabelledScan(0, (0,), (f"{number}",), (0,)) for number in range(3)]
+    (warning,) = estimate(scans, ["nut", "bolt"], ["above"]).warnings()
+    assert warning == "1 of 2 table rows have no labelled object: they are the prior alone"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nowhere", "--classifier", "DB"], "cannot read nowhere/cell.json"),
+        (["nowhere"], "--classifier is missing"),
+        (["nowhere", "--objects", "3"], "--objects means nothing to a folder"),
+        (["simulated", "--objects", "0", "--classifier", "DB"], "objects is 0, expected at least 1"),
+        (["simulated", "--classifier", "missing.npz"], "cannot read the database missing.npz"),
+        (["nowhere", "--smoothing", "0"], "smoothing is 0.0"),
+        (["nowhere", "--error", "2"], "the wanted standard error is 2.0"),
+        (["nowhere", "--figure", "missing/x.png"], "missing/x.png: there is no directory missing"),
+        (["nowhere", "--figure", "x.txt"], "x.txt ends in none of .png"),
+    ],
+)
+def test_errors_are_one_line(arguments: list[str], message: str, classifier: str, tmp_path: Path) -> None:
+    given = [classifier if argument == "DB" else argument for argument in arguments]
+    done = command("estimate", *given, "-o", str(tmp_path / "model.json"), "--workers", "1", "--json")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert f"beltsort: error: {message}" in done.stderr.splitlines()[-1]
+    assert not (tmp_path / "model.json").exists()
+
+
+def test_labels_of_another_classifier_are_not_mixed_in(folder: str, classifier: str, tmp_path: Path) -> None:
+    LabelLog(tmp_path / "model.labels", {"cell": "recorded", "classifier": "other"}).close()
+    done = command("estimate", folder, "--classifier", classifier, "-o", str(tmp_path / "model.json"))
+    assert done.returncode == 2
+    assert "model.labels were made with classifier other (now: " in done.stderr

@@ -1,0 +1,52 @@
+"""Labels on the disk."""
+
+from pathlib import Path
+
+import pytest
+
+from beltsort.errors import RecordingError
+from beltsort.tables.log import LabelLog, Labels, label_missing
+
+
+def test_labels_are_kept_and_never_overwritten(tmp_path: Path) -> None:
+    path = tmp_path / "model.labels"
+    with LabelLog(path, {"seed": "1"}) as log:
+        log.append({"a": (1, None)})
+    with LabelLog(path, {"seed": "1"}) as log:
+        log.append({"a": (0, 0), "b": (2, 2)})
+        assert log.labels() == {"a": (1, None), "b": (2, 2)}
+
+
+def test_what_is_appended_outlives_the_writer(tmp_path: Path) -> None:
+    path = tmp_path / "model.labels"
+    LabelLog(path).append({"a": (1, None)})  # never closed
+    assert LabelLog(path).labels() == {"a": (1, None)}
+
+
+@pytest.mark.parametrize("settings", [{"seed": "2"}, {}, {"seed": "1", "cell": "real"}])
+def test_labels_of_other_settings_are_refused(tmp_path: Path, settings: dict[str, str]) -> None:
+    path = tmp_path / "model.labels"
+    LabelLog(path, {"seed": "1"}).close()
+    with pytest.raises(RecordingError, match=r"were made with (seed 1 \(now: |cell None \(now: real\))"):
+        LabelLog(path, settings)
+
+
+def test_another_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "text").write_text("no database " * 100)
+    for path in (tmp_path / "text", tmp_path, tmp_path / "missing" / "labels"):
+        with pytest.raises(RecordingError, match="cannot be opened"):
+            LabelLog(path)
+
+
+def test_only_what_is_missing_is_labelled() -> None:
+    log, done = LabelLog(), []
+    log.append({"a1": (0,), "a2": (0,), "b1": (0,)})
+
+    def task(piece: str) -> Labels:
+        done.append(piece)
+        return {f"{piece}1": (1,), f"{piece}2": (1,)}
+
+    label_missing(task, ["a", "b", "c"], lambda piece: [f"{piece}1", f"{piece}2"], log, 1, None)
+    assert done == ["b", "c"]
+    expected = {"a1": (0,), "a2": (0,), "b1": (0,), "b2": (1,), "c1": (1,), "c2": (1,)}
+    assert log.labels() == expected

@@ -1,0 +1,104 @@
+"""Recorded from the simulated cell, interrupted, labelled."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from beltsort.cell.simulated import CellConfig
+from beltsort.errors import CloudError, DatabaseError, RecordingError
+from beltsort.perception import NearestNeighbour
+from beltsort.tables.collect import collect_scans
+from beltsort.tables.label import label_recording
+from beltsort.tables.log import LabelLog
+from beltsort.tables.record import record_simulated
+from beltsort.tables.recording import MANIFEST, Recording, read_recording
+
+
+@pytest.fixture(scope="module")
+def recorded(config: CellConfig, tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    return record_simulated(tmp_path_factory.mktemp("recorded"), config, objects=2, seed=5, workers=1)
+
+
+@pytest.fixture
+def recording(recorded: Recording, tmp_path: Path) -> Recording:
+    """A copy of the first two scans, both of one scene."""
+    for scan in recorded.scans[:2]:
+        shutil.copy(recorded.folder / scan.file, tmp_path)
+    shutil.copy(recorded.folder / "cell.json", tmp_path)
+    lines = (recorded.folder / MANIFEST).read_text().splitlines(keepends=True)[:2]
+    (tmp_path / MANIFEST).write_text("".join(lines))
+    return read_recording(tmp_path)
+
+
+def test_recorded_scans_get_the_labels_of_live_ones(
+    recorded: Recording, config: CellConfig, database: NearestNeighbour
+) -> None:
+    live = collect_scans(database, config, objects=2, seed=5, workers=1)
+    assert len(live) == 2 * 4 * 2
+    assert label_recording(recorded, database, workers=1) == live
+
+
+def test_an_interrupted_recording_goes_on(recorded: Recording, config: CellConfig, tmp_path: Path) -> None:
+    shutil.copytree(recorded.folder, tmp_path / "copy")
+    manifest = tmp_path / "copy" / MANIFEST
+    whole = manifest.read_text()
+    manifest.write_text("".join(whole.splitlines(keepends=True)[:11]) + whole.splitlines()[11][:100])
+    (tmp_path / "copy" / recorded.scans[15].file).unlink()
+    again = record_simulated(tmp_path / "copy", config, objects=2, seed=5, workers=1)
+    assert manifest.read_text() == whole
+    for one, other in zip(recorded.scans, again.scans, strict=True):
+        assert (recorded.folder / one.file).read_bytes() == (again.folder / other.file).read_bytes()
+
+
+def test_another_recording_is_not_mixed_in(recorded: Recording, config: CellConfig) -> None:
+    before = (recorded.folder / MANIFEST).read_bytes()
+    for changed, seed in ((config, 6), (replace(config, size_spread=0.1), 5)):
+        with pytest.raises(RecordingError, match="describes other scans, expected the same source"):
+            record_simulated(recorded.folder, changed, objects=2, seed=seed, workers=1)
+    assert (recorded.folder / MANIFEST).read_bytes() == before
+
+
+def test_a_folder_that_cannot_be_written(config: CellConfig) -> None:
+    with pytest.raises(RecordingError, match="cannot be written"):
+        record_simulated(Path(__file__) / "folder", config, objects=1, workers=1)
+
+
+def test_a_corrected_truth_costs_no_scan(
+    recording: Recording, database: NearestNeighbour, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = LabelLog()
+    before = label_recording(recording, database, workers=1, log=log)
+    corrected = replace(recording, scans=tuple(replace(s, true=(3, None)) for s in recording.scans))
+    monkeypatch.setattr("beltsort.tables.label.read_cloud", None)
+    after = label_recording(corrected, database, workers=1, log=log)
+    assert after == [replace(scan, true=(3, None)) for scan in before]
+
+
+def test_a_damaged_cloud_is_named_and_the_rest_is_kept(
+    recording: Recording, database: NearestNeighbour
+) -> None:
+    second = recording.folder / recording.scans[1].file
+    log = LabelLog()
+    np.save(second, np.full((4, 3), np.nan))
+    with pytest.raises(CloudError, match=rf"{second.name}: none of 4 points"):
+        label_recording(recording, database, workers=1, log=log)
+    assert len(log.labels()) == 1
+    second.write_bytes(b"torn")
+    with pytest.raises(CloudError, match=f"cannot read .*{second.name}"):
+        label_recording(recording, database, workers=1, log=log)
+
+
+def test_a_cloud_under_two_names_is_refused(recording: Recording, database: NearestNeighbour) -> None:
+    first, second = recording.scans
+    shutil.copy(recording.folder / first.file, recording.folder / second.file)
+    with pytest.raises(RecordingError, match=f"{second.file} and {first.file} .* one scan under two names"):
+        label_recording(recording, database, workers=1)
+
+
+def test_the_classifier_must_know_the_classes(recording: Recording, database: NearestNeighbour) -> None:
+    turned = NearestNeighbour.train(database.descriptors, database.labels, database.classes[::-1])
+    with pytest.raises(DatabaseError, match="expected the recording's"):
+        label_recording(recording, turned, workers=1)
