@@ -150,6 +150,12 @@ class Progress:
         """Whether every object has left the belt end."""
         return self.index >= self.objects and self.pending is None
 
+    @property
+    def taken(self) -> bool:
+        """Whether the object at the belt end has been sorted."""
+        decided = bool(self.decisions) and self.decisions[-1].object == self.index
+        return decided and self.bin is None
+
     def apply(self, entry: Entry) -> None:
         """Take in one entry.
 

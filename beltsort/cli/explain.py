@@ -2,11 +2,11 @@
 
 from argparse import Namespace
 
+from beltsort.audit import Step, entries_of, step_of
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
 from beltsort.explanation import action_in_words, explain, tree_in_names
-from beltsort.runs import Step, entries_of, step_of
 
 
 def add_parser(subparsers: Subparsers) -> None:

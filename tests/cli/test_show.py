@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from beltsort.audit import steps_of
 from beltsort.journal import read_journal
 from beltsort.report import SortingReport
-from beltsort.runs import steps_of
 from tests.loop.killed_run import OBJECTS, run
 
 from .running import command, json_of, output

@@ -216,7 +216,7 @@ def test_a_plan_is_journalled_with_its_reasons(tmp_path: Path) -> None:
     _, entries = run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), planner, objects=1)
     plans = [entry.data for entry in entries if entry.kind == "plan"]
     assert set(plans[0]["action"]) == {"move"}
-    assert set(plans[0]) == {"action", "values", "lower", "upper", "trials", "seconds"}
+    assert set(plans[0]) == {"action", "values", "lower", "upper", "trials", "seconds", "late"}
     assert len(plans[0]["values"]) == 7
     best = max(plans[0]["values"], key=lambda action: action["value"])
     assert plans[0]["action"] == {"move": best["move"]}

@@ -120,6 +120,26 @@ class SimulatedCell:
         """Tell whether a command was carried out."""
         return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
 
+    def restore(self, index: int, *, looks: int, taken: bool, clock: float) -> None:
+        """Stand where a run broke off: the process that ended took its simulated world with it.
+
+        Parameters
+        ----------
+        index
+            Number of the object at the belt end.
+        looks
+            Scans since it arrived there.
+        taken
+            Whether it has been sorted.
+        clock
+            Seconds of simulated time.
+        """
+        if index > 0:
+            self._world.advance_to(index)
+        if taken:
+            self._world.take()
+        self._looks, self.clock = looks, clock
+
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Bring the camera to `viewpoint`; return the time of its stop, seconds on the cell's clock."""
         if not 0 <= viewpoint < len(self.viewpoints):
