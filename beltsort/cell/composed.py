@@ -87,10 +87,12 @@ def compose(
     maker = _Maker(description)
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
     rehearsed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
-    outside, inside = _outside(description, record), _inside(description)
+    limits, inside = _limits(description), _inside(description)
     for role in ROLES:
-        dry: list[Around] = [DryRun(say)] if role in rehearsed else []
-        devices[role] = WRAPPED[role](devices[role], chained([*outside, *dry, *inside]))
+        recorder = [] if record is None else [Recorder(role, record)]
+        dry_run = [DryRun(say)] if role in rehearsed else []
+        around = chained([limits, *recorder, *dry_run, *inside])
+        devices[role] = WRAPPED[role](devices[role], around)
     return ComposedCell(
         **devices,
         classes=description.classes,
@@ -139,10 +141,9 @@ def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
     return made
 
 
-def _outside(description: CellDescription, record: Callable[[Recorded], None] | None) -> list[Around]:
+def _limits(description: CellDescription) -> Limits:
     labels = [*description.classes, "the reject bin"][: len(description.bin_numbers)]
-    limits = Limits(description.viewpoint_names, labels)
-    return [limits] if record is None else [limits, Recorder(record)]
+    return Limits(description.viewpoint_names, labels)
 
 
 def _inside(description: CellDescription) -> list[Around]:

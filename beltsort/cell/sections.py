@@ -1,6 +1,6 @@
 """The tables of a cell file. Lengths are metres, times seconds, joint angles radians, all else degrees."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, FiniteFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
@@ -15,6 +15,8 @@ from beltsort.geometry import Pose, look_at, on_sphere
 Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 Quaternion = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Matrix = tuple[Quaternion, Quaternion, Quaternion, Quaternion]
+DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
+
 Options = dict[str, object]
 Seconds = Annotated[PositiveFloat, Field(le=3600.0)]
 Probability = Annotated[FiniteFloat, Field(ge=0.0, le=1.0)]
@@ -173,6 +175,13 @@ class Planner(Section):
         if self.trials is not None and self.seconds is not None:
             raise ValueError(f"trials is {self.trials} and seconds is {self.seconds}, expected one of them")
         return self
+
+    def settings(self) -> dict[str, Any]:
+        """Return what `beltsort.Despot` needs to know besides the model."""
+        budget = (
+            {"trials": self.trials or DEFAULT_TRIALS} if self.seconds is None else {"seconds": self.seconds}
+        )
+        return {"scenarios": self.scenarios, "seed": self.seed, **budget}
 
 
 class Prepare(Section):

@@ -10,9 +10,10 @@ from argparse import ArgumentParser
 from collections.abc import Sequence
 
 from beltsort import BeltsortError, __version__
-from beltsort.cli import bench, compare, demo, evaluate, export, info, plan, solve
+from beltsort.cell.problems import CellFileError
+from beltsort.cli import bench, check, compare, demo, evaluate, export, info, plan, run, solve
 
-COMMANDS = (demo, info, plan, evaluate, compare, solve, export, bench)
+COMMANDS = (demo, run, check, info, plan, evaluate, compare, solve, export, bench)
 FAILED, INTERRUPTED = 2, 130
 
 
@@ -27,13 +28,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0, 2 for an error (of usage, too), 130 when interrupted.
+        Exit code: 0, 1 when a check exceeds a limit, 2 for an error (of usage, too), 130 when interrupted.
     """
     given = sys.argv[1:] if argv is None else list(argv)
     arguments = parser().parse_args(given)
     arguments.command_line = shlex.join(["beltsort", *given])
     try:
         code: int = arguments.run(arguments)
+    except CellFileError as error:  # one line for each problem
+        print(f"beltsort: error: {arguments.cell} is wrong:\n{error}", file=sys.stderr)
+        return FAILED
     except (BeltsortError, OSError, OverflowError) as error:
         print("beltsort: error:", " ".join(str(error).split()), file=sys.stderr)
         return FAILED

@@ -14,6 +14,8 @@ class Recorded:
 
     Attributes
     ----------
+    device
+        Whose: `arm`, `camera`, `belt` or `sorter`.
     call
         What was asked.
     began
@@ -24,6 +26,7 @@ class Recorded:
         What it raised, in words; None if it ended well.
     """
 
+    device: str
     call: Call
     began: float
     seconds: float
@@ -35,12 +38,14 @@ class Recorder:
 
     Parameters
     ----------
+    device
+        Whose calls these are.
     tell
         Called with each call; `list.append` for example.
     """
 
-    def __init__(self, tell: Callable[[Recorded], None]) -> None:
-        self._tell = tell
+    def __init__(self, device: str, tell: Callable[[Recorded], None]) -> None:
+        self._device, self._tell = device, tell
 
     def __call__(self, call: Call, act: Act) -> Any:
         """Pass the call on."""
@@ -52,4 +57,4 @@ class Recorder:
             error = repr(failure)
             raise
         finally:
-            self._tell(Recorded(call, began, time.perf_counter() - start, error))
+            self._tell(Recorded(self._device, call, began, time.perf_counter() - start, error))

@@ -1,0 +1,84 @@
+"""`beltsort run`: sort with the cell that a file describes."""
+
+from argparse import Namespace
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from beltsort import ArgumentError
+from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.cells import add_cell, tell_rehearsal
+from beltsort.cli.output import print_json
+from beltsort.cli.watching import listening, stages
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from beltsort.cell.description import CellDescription
+    from beltsort.cell_run import CellRun
+    from beltsort.report import SortingReport
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "run",
+        help="sort with the cell of a cell file",
+        description="Sort the next objects of the belt. Journal, model and a record of every call of a "
+        "device are kept in a folder of the run under runs/.",
+    )
+    add_cell(parser)
+    parser.add_argument(
+        "--objects", type=int, metavar="N", help="belt places to work through (default: the cell file's)"
+    )
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console
+
+    from beltsort.cell_run import as_json, open_run
+    from beltsort.runs import make_folder
+
+    console = Console(stderr=arguments.json, highlight=False, soft_wrap=True)
+    description = described(arguments)
+    runs = make_folder(Path("runs"))
+    with stages(console) as stage:
+        opened = open_run(
+            description,
+            runs,
+            live=arguments.live,
+            say=lambda line: console.print(line, markup=False),
+            progress=stage,
+        )
+    tell_rehearsal(console, opened.cell)
+    with listening(console) as listener:
+        report = opened.sort(listener)
+    tell_result(console, opened, report)
+    if arguments.json:
+        print_json(as_json(opened, report))
+    return 0
+
+
+def described(arguments: Namespace) -> "CellDescription":
+    """Read the cell file, with the number of objects that was asked for."""
+    from beltsort.cell.description import CellDescription
+
+    description = CellDescription.load(arguments.cell)
+    if arguments.objects is None:
+        return description
+    if arguments.objects < 1:
+        raise ArgumentError(f"--objects is {arguments.objects}, expected at least 1; give a positive number")
+    return description.model_copy(update={"objects": arguments.objects})
+
+
+def tell_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:
+    """Say what was sorted, and where the record is."""
+    names = [*opened.model.classes, "rejected"]
+    counts = Counter(names[-1 if d.label is None else d.label] for d in report.decisions)
+    sorted_into = [f"{counts[name]} {name}" for name in names if counts[name]]
+    parts = [*sorted_into, f"{len(report.skipped)} empty"] if report.skipped else sorted_into
+    console.print(f"{len(report.decisions)} sorted in {report.steps} steps: {', '.join(parts)}")
+    console.print(f"journal, model and calls: {opened.folder}")
