@@ -1,18 +1,17 @@
 """Sorting with a cell that a file describes."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from beltsort import BeltsortError, Despot, SortingModel
+from beltsort import Despot, SortingModel
 from beltsort.cell.check import CellCheck, ask_health
 from beltsort.cell.composed import ComposedCell, compose
 from beltsort.cell.description import CellDescription
 from beltsort.cell.problems import CellFileError
-from beltsort.cell.registry import ROLES
 from beltsort.cell.simulated.backend import trainable_config
+from beltsort.cell.stopping import stopping
 from beltsort.errors import CellError
 from beltsort.journal import Listener
 from beltsort.perception import NearestNeighbour, Perception
@@ -59,7 +58,7 @@ class CellRun:
         perception = Perception(description.layout, self.classifier, description.perception)
         planner = Despot(self.model, **description.planner.settings())
         make_folder(self.folder)
-        with _stopping(self.cell):
+        with stopping(self.cell):
             check_ready(self.cell)
             return sort_into(
                 self.folder,
@@ -158,17 +157,3 @@ def _knowledge(
             "order: train it on these",
         )
     return model, classifier
-
-
-@contextmanager
-def _stopping(cell: ComposedCell) -> Iterator[None]:
-    """Stop every device if what is done with them does not end well."""
-    try:
-        yield
-    except BaseException as failure:
-        for role in ROLES:
-            try:
-                getattr(cell, role).stop()
-            except BeltsortError as reason:  # the others must be stopped all the same
-                failure.add_note(f"{role} could not be stopped: {reason}")
-        raise

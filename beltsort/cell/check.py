@@ -9,6 +9,7 @@ from beltsort.cell.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops
 from beltsort.cell.protocols import Cell, Health
 from beltsort.cell.registry import ROLES
 from beltsort.cell.sections import CheckLimits
+from beltsort.cell.stopping import stopping
 
 
 @dataclass(frozen=True)
@@ -52,16 +53,18 @@ class CellCheck:
 def check_cell(cell: Cell, limits: CheckLimits) -> CellCheck:
     """Ask every device for its health, then scan from every viewpoint.
 
-    The first command that fails ends the visits: nothing moves on from a place that is not known.
+    The first command that fails ends the visits and stops all devices: nothing moves on from a place that is
+    not known.
     """
     found = CellCheck()
     ask_health(cell, found)
     if found.exceeded:
         return found
     try:
-        for view in _visits(cell):
-            found.views.append(view)
-            found.exceeded += _beyond(view, limits)
+        with stopping(cell):
+            for view in _visits(cell):
+                found.views.append(view)
+                found.exceeded += _beyond(view, limits)
     except CommandError as failure:
         found.exceeded.append(str(failure))
     return found

@@ -26,6 +26,7 @@ from beltsort.cell.validation import Section, validated
 from beltsort.geometry import BeltLayout, Pose
 from beltsort.perception.config import PerceptionConfig
 from beltsort.rules import Rules
+from beltsort.text import nearest_of
 
 VERSION = 1
 
@@ -102,7 +103,12 @@ class CellDescription(Section):
 
     @model_validator(mode="after")
     def _checked(self) -> Self:
-        problems = [*self._name_problems(), *self._bin_problems(), *self._joint_problems()]
+        problems = [
+            *self._name_problems(),
+            *self._bin_problems(),
+            *self._joint_problems(),
+            *self._backend_problems(),
+        ]
         if self.prepare is not None and (self.model or self.classifier):
             problems.append(
                 "prepare stands beside model or classifier, expected one or the other: leave one out"
@@ -152,6 +158,14 @@ class CellDescription(Section):
                 if not least <= angle <= most
             ]
         return problems
+
+    def _backend_problems(self) -> list[str]:
+        named = list(dict.fromkeys(d.backend for d in (self.arm, self.camera, self.belt, self.sorter)))
+        return [
+            f"backends.{name} has options, but no device has this back-end; {nearest_of(name, named)}"
+            for name in self.backends
+            if name not in named
+        ]
 
     @property
     def bin_numbers(self) -> tuple[int, ...]:

@@ -4,16 +4,15 @@ Arm, belt and sorter note what they are told; the camera shows a level belt with
 """
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from beltsort.cell.description import CellDescription
 from beltsort.cell.protocols import Health, Scan
-from beltsort.cell.registry import Backend
+from beltsort.cell.registry import Backend, backend_of
 from beltsort.cell.simulated.sensor import Camera
-from beltsort.cell.validation import validated
 from beltsort.cell.wrappers.dry_run import DryRun
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedSorter
 from beltsort.geometry import Pose, look_at
@@ -61,18 +60,14 @@ class EmptyBeltCamera(Absent):
         return Scan(PINHOLE.deproject(depth), self._pose, stamp=not_before)
 
 
-def _checked(options: Mapping[str, object]) -> tuple[Absent, DryRun]:
-    validated(NoOptions, options)
-    return Absent(), DryRun(log.info)
-
-
-def _camera(options: Mapping[str, object], cell: CellDescription) -> EmptyBeltCamera:
-    validated(NoOptions, options)
+def _camera(_options: NoOptions, cell: CellDescription) -> EmptyBeltCamera:
     pose = cell.viewpoints[0].pose()
     return EmptyBeltCamera(OVERHEAD if pose is None else pose)
 
 
-ARM = Backend(lambda options, _cell: WrappedArm(*_checked(options)), harmless=True)
-BELT = Backend(lambda options, _cell: WrappedBelt(*_checked(options)), harmless=True)
-SORTER = Backend(lambda options, _cell: WrappedSorter(*_checked(options)), harmless=True)
-CAMERA = Backend(_camera, harmless=True)
+def _mover(kind: Callable[[Absent, DryRun], object]) -> Backend:
+    return backend_of(NoOptions, lambda _options, _cell: kind(Absent(), DryRun(log.info)), harmless=True)
+
+
+ARM, BELT, SORTER = _mover(WrappedArm), _mover(WrappedBelt), _mover(WrappedSorter)
+CAMERA = backend_of(NoOptions, _camera, harmless=True)

@@ -6,19 +6,22 @@ install. Those of third parties are found by entry points, one group for each ki
     [project.entry-points."beltsort.arm"]
     acme = "acme_beltsort:ARM"
 
-whose object is a `Backend`. beltsort's own names come first.
+whose object is a `Backend`, best made by `backend_of`. beltsort's own names come first.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from beltsort.cell.problems import CellFileError
+from beltsort.cell.validation import validated
 from beltsort.text import nearest_of
 
 if TYPE_CHECKING:
     from beltsort.cell.description import CellDescription
+
+Options = TypeVar("Options")
 
 ROLES = ("arm", "camera", "belt", "sorter")
 GROUP = "beltsort."
@@ -37,8 +40,8 @@ class Backend:
     Attributes
     ----------
     make
-        From the back-end's options and the cell to a device: an `Arm`, a `DepthCamera`, a `Belt`, a `Sorter`,
-        or several of them at once. It checks its options (`beltsort.cell.validation.validated`).
+        From the back-end's options, as the file gives them, and the cell to a device: an `Arm`, a
+        `DepthCamera`, a `Belt`, a `Sorter`, or several of them at once.
     shared
         Whether one device serves all that name this back-end with the same options.
     harmless
@@ -48,6 +51,27 @@ class Backend:
     make: Callable[[Mapping[str, object], "CellDescription"], Any]
     shared: bool = False
     harmless: bool = False
+
+
+def backend_of(
+    options: type[Options],
+    make: Callable[[Options, "CellDescription"], Any],
+    *,
+    shared: bool = False,
+    harmless: bool = False,
+) -> Backend:
+    """Return a back-end whose options are a frozen dataclass of plain fields.
+
+    Parameters
+    ----------
+    options
+        The dataclass; what the file gives is checked against its fields and their types.
+    make
+        From such options and the cell to a device.
+    shared, harmless
+        As in `Backend`.
+    """
+    return Backend(lambda given, cell: make(validated(options, given), cell), shared, harmless)
 
 
 def backend(role: str, name: str) -> Backend:

@@ -6,6 +6,12 @@ from typing import Any
 from beltsort.cell.composed import ComposedCell, compose
 from beltsort.cell.description import CellDescription
 
+NOTHING_SIMULATED = (
+    ('"simulated"', '"dry-run"'),
+    ('[backends.simulated]\ndraw_from = ["elongated", "livarno"]\nseed = 0\n', ""),
+)
+"""Changes after which no device of the example is there."""
+
 EXAMPLE = Path(__file__).parents[2] / "examples" / "simulated.toml"
 
 

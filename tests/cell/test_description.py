@@ -90,6 +90,7 @@ WRONG = [
     (OBJECTS, "\nperception = {voxel = 0}\n", "voxel is 0.*, expected above 0"),
     ("[planner]", "[faults.rates]\nnot_don = 0.1\n[planner]", "faults.rates.not_don.*'not_done', 'lost_ack"),
     ("[planner]", "[faults.rates]\nlate = 1.5\n[planner]", "faults.rates.late: is 1.5, expected less"),
+    ("[backends.simulated]", "[backends.simulatd]", "backends.simulatd has options, but no device"),
     (
         "[planner]",
         '[[faults.schedule]]\ncommand = "scan"\nnumber = 1\nkind = "full_bin"\n[planner]',

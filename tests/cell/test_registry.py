@@ -12,7 +12,7 @@ from beltsort.cell.protocols import Health
 from beltsort.cell.registry import BUILT_IN, ROLES, Backend, backend
 from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.geometry import transform
-from tests.cell.cell_files import composed
+from tests.cell.cell_files import NOTHING_SIMULATED, composed
 
 
 class Press:
@@ -80,8 +80,7 @@ def test_a_third_partys_back_end_is_found_and_harmful(acme: Press, tmp_path: Pat
 def test_a_sorter_gets_its_own_numbers_and_its_time(acme: Press, tmp_path: Path) -> None:
     bins = "\nbins = {elongated = 4, livarno = 4, mushroom = 6, standard = 5}\nreject_bin = 9\n"
     timeouts = ("[planner]", "[timeouts]\nsort = 2.5\n[planner]")
-    simulated_apart = ('"simulated"', '"dry-run"'), ("[backends.simulated]", "[backends.other]")
-    cell = composed(tmp_path, ACME, *simulated_apart, ("\nobjects = 10\n", bins), timeouts, live=True)
+    cell = composed(tmp_path, ACME, *NOTHING_SIMULATED, ("\nobjects = 10\n", bins), timeouts, live=True)
     assert cell.reject_bin == 4
     for label in (1, 2, 4):
         cell.sorter.sort(label, f"sort-{label}", timeout=60.0)
@@ -138,7 +137,7 @@ def test_calls_are_recorded_with_time_and_error(tmp_path: Path) -> None:
 
 
 def test_a_dry_run_of_devices_that_are_not_there(tmp_path: Path) -> None:
-    cell = composed(tmp_path, ('"simulated"', '"dry-run"'), ("[backends.simulated]", "[backends.other]"))
+    cell = composed(tmp_path, *NOTHING_SIMULATED)
     stop = cell.arm.move_to(1, "move-1")
     scan = cell.camera.scan(not_before=stop)
     world = transform(scan.world_from_camera, scan.points)

@@ -8,7 +8,7 @@ from pydantic import NonNegativeInt
 
 from beltsort.cell.description import CellDescription
 from beltsort.cell.problems import CellFileError
-from beltsort.cell.registry import ROLES, Backend
+from beltsort.cell.registry import ROLES, backend_of
 from beltsort.cell.sections import Viewpoint
 from beltsort.cell.simulated.config import CellConfig, SphereViewpoint
 from beltsort.cell.simulated.randomness import generator
@@ -46,19 +46,17 @@ class SimulatedOptions:
     meshes: Mapping[str, str] = field(default_factory=dict)
 
 
-def make(options: Mapping[str, object], cell: CellDescription) -> "SimulatedCell":
+def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
     """Return the simulated cell that a cell file describes.
 
     Raises
     ------
     CellFileError
-        If an option is unknown, or the file describes what cannot be simulated.
+        If the file describes what cannot be simulated.
     """
     from beltsort.cell.simulated.cell import SimulatedCell
 
-    given = validated(SimulatedOptions, options)
-    labels = true_labels(given, cell)
-    return SimulatedCell(labels, config_of(cell, given), seed=given.seed)
+    return SimulatedCell(true_labels(options, cell), config_of(cell, options), seed=options.seed)
 
 
 def trainable_config(cell: CellDescription) -> CellConfig:
@@ -130,4 +128,4 @@ def true_labels(options: SimulatedOptions, cell: CellDescription) -> list[int | 
     return [cell.classes.index(choice[i]) for i in drawn]
 
 
-BACKEND = Backend(make, shared=True, harmless=True)
+BACKEND = backend_of(SimulatedOptions, make, shared=True, harmless=True)
