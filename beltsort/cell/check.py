@@ -10,6 +10,7 @@ from beltsort.cell.protocols import Cell, Health
 from beltsort.cell.registry import ROLES
 from beltsort.cell.sections import CheckLimits
 from beltsort.cell.stopping import stopping
+from beltsort.errors import CellError
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def check_cell(cell: Cell, limits: CheckLimits) -> CellCheck:
             for view in _visits(cell):
                 found.views.append(view)
                 found.exceeded += _beyond(view, limits)
-    except CommandError as failure:
+    except CellError as failure:
         found.exceeded.append(str(failure))
     return found
 

@@ -15,6 +15,7 @@ from beltsort.cell.wrappers.dry_run import DryRun, Say
 from beltsort.cell.wrappers.faults import Faults
 from beltsort.cell.wrappers.limits import Limits
 from beltsort.cell.wrappers.recorder import Recorded, Recorder
+from beltsort.cell.wrappers.taught_poses import TaughtPoses
 from beltsort.cell.wrappers.wrapped import (
     Around,
     WrappedArm,
@@ -63,8 +64,9 @@ def compose(
 ) -> ComposedCell:
     """Make the devices that a cell file names.
 
-    Around each device, from the outside: what makes no sense is refused (`Limits`), calls are recorded, and
-    commands only said unless `live`; then faults on purpose, deadlines, and the sorter's numbers of its bins.
+    Around each device, from the outside: what makes no sense is refused (`Limits`), scans without a pose get
+    the taught one, calls are recorded, and commands only said unless `live`; then faults on purpose,
+    deadlines, and the sorter's numbers of its bins.
 
     Parameters
     ----------
@@ -87,11 +89,11 @@ def compose(
     maker = _Maker(description)
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
     rehearsed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
-    limits, inside = _limits(description), _inside(description)
+    outside, inside = _outside(description), _inside(description)
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
         dry_run = [DryRun(say)] if role in rehearsed else []
-        around = chained([limits, *recorder, *dry_run, *inside])
+        around = chained([*outside, *recorder, *dry_run, *inside])
         devices[role] = WRAPPED[role](devices[role], around)
     return ComposedCell(
         **devices,
@@ -141,9 +143,10 @@ def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
     return made
 
 
-def _limits(description: CellDescription) -> Limits:
+def _outside(description: CellDescription) -> list[Around]:
+    names, poses = description.viewpoint_names, [viewpoint.pose() for viewpoint in description.viewpoints]
     labels = [*description.classes, "the reject bin"][: len(description.bin_numbers)]
-    return Limits(description.viewpoint_names, labels)
+    return [Limits(names, labels), TaughtPoses(names, poses)]
 
 
 def _inside(description: CellDescription) -> list[Around]:

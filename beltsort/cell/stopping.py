@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from beltsort import BeltsortError
 from beltsort.cell.protocols import Cell
 
 
@@ -16,6 +15,6 @@ def stopping(cell: Cell) -> Iterator[None]:
         for device in (cell.arm, cell.belt, cell.sorter, cell.camera):
             try:
                 device.stop()
-            except BeltsortError as reason:  # the others must be stopped all the same
+            except Exception as reason:  # whatever it is, the others must be stopped all the same
                 failure.add_note(f"a device could not be stopped: {reason}")
         raise

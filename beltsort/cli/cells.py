@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from beltsort.cell.composed import ComposedCell
+    from beltsort.cell.description import CellDescription
 
 
 def add_cell(parser: ArgumentParser) -> None:
@@ -19,8 +20,10 @@ def add_cell(parser: ArgumentParser) -> None:
     )
 
 
-def tell_rehearsal(console: "Console", cell: "ComposedCell") -> None:
-    """Say what only pretends to move."""
+def tell_pretence(console: "Console", description: "CellDescription", cell: "ComposedCell") -> None:
+    """Say what only pretends to move, and that some failures are meant."""
+    if description.faults is not None:
+        console.print("faults on purpose are on; remove [faults] from the cell file to sort in earnest")
     if cell.rehearsed:
         devices = ", ".join(cell.rehearsed)
         console.print(f"dry run: {devices} move nothing and say what they would do; --live moves them")

@@ -4,7 +4,7 @@ from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
 from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.cells import add_cell, tell_rehearsal
+from beltsort.cli.cells import add_cell, tell_pretence
 from beltsort.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def run(arguments: Namespace) -> int:
         say=lambda line: console.print(line, markup=False),
         record=calls.append,
     )
-    tell_rehearsal(console, cell)
+    tell_pretence(console, description, cell)
     found = check_cell(cell, description.check)
     if arguments.json:
         print_json(as_json(cell, found, calls) | {"limits": description.check.model_dump()})

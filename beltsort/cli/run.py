@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.cells import add_cell, tell_rehearsal
+from beltsort.cli.cells import add_cell, tell_pretence
 from beltsort.cli.output import print_json
 from beltsort.cli.watching import listening, stages
 
@@ -53,7 +53,7 @@ def run(arguments: Namespace) -> int:
             say=lambda line: console.print(line, markup=False),
             progress=stage,
         )
-    tell_rehearsal(console, opened.cell)
+    tell_pretence(console, description, opened.cell)
     with listening(console) as listener:
         report = opened.sort(listener)
     tell_result(console, opened, report)

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort.cell import CommandError, EmergencyStopError, Outcome
+from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
 from beltsort.cell.composed import ComposedCell
 from beltsort.cell.wrappers.fault_kinds import COMMANDS, Fault
-from beltsort.cell.wrappers.faults import FaultPlan
+from beltsort.cell.wrappers.faults import FaultPlan, Faults
+from beltsort.cell.wrappers.wrapped import WrappedSorter
 from tests.cell.cell_files import composed
 
 
@@ -140,3 +141,46 @@ def test_a_schedule_comes_before_the_rates() -> None:
 
 def test_every_kind_befalls_some_command() -> None:
     assert all(set(kind.befalls) <= set(COMMANDS) and kind.befalls for kind in Fault)
+
+
+class Press:
+    """Counts how often each command acts; a repeated id acts once."""
+
+    def __init__(self) -> None:
+        self.acts: list[str] = []
+
+    def sort(self, label: int, command_id: str, *, timeout: float) -> None:
+        if command_id not in self.acts:
+            self.acts.append(command_id)
+
+    def health(self) -> Health:
+        return Health(ready=True, boot_id="press")
+
+    def outcome_of(self, command_id: str) -> Outcome:
+        return Outcome.DONE if command_id in self.acts else Outcome.NOT_DONE
+
+    def times(self, command_id: str) -> int:
+        return sum(act.split("@")[0] == command_id for act in self.acts)
+
+
+@given(st.integers(0, 2**31))
+def test_whatever_fails_the_outcomes_tell_the_truth(seed: int) -> None:
+    press = Press()
+    sorter = WrappedSorter(press, Faults(FaultPlan(seed, dict.fromkeys(Fault, 0.12)), viewpoints=3))
+    for number in range(20):
+        command_id = f"sort-{number}"
+        try:
+            sorter.sort(0, command_id)
+        except EmergencyStopError:
+            assert press.times(command_id) == 0
+            assert sorter.health().emergency_stop
+        except CommandError as error:
+            if error.outcome is Outcome.NOT_DONE:
+                assert press.times(command_id) == 0
+        else:
+            assert press.times(command_id) == 1
+        match sorter.outcome_of(command_id):
+            case Outcome.DONE:
+                assert press.times(command_id) == 1
+            case Outcome.NOT_DONE:
+                assert press.times(command_id) == 0

@@ -15,7 +15,7 @@ class Stuck(ScriptedCell):
 
     def stop(self) -> None:
         super().stop()
-        raise CommandError("no answer", Outcome.UNKNOWN)
+        raise OSError("no answer")
 
 
 def test_all_goes_well() -> None:

@@ -119,7 +119,9 @@ def test_a_failing_command_ends_the_run_and_stops_the_devices(
 ) -> None:
     fault = '[faults]\nschedule = [{command = "sort", number = 1, kind = "full_bin"}]\n[planner]'
     assert main(["run", cell_file(folder, ("[planner]", fault)), "--objects", "2"]) == 2
-    assert "found the bin full" in capsys.readouterr().err
+    said = capsys.readouterr()
+    assert "found the bin full" in said.err
+    assert "faults on purpose are on" in said.out
     (run,) = (folder / "runs").iterdir()
     assert "found the bin full" in read_journal(run / "journal.sqlite")[-1].data["reason"]
     calls = [json.loads(line) for line in (run / "calls.jsonl").read_text().splitlines()]
