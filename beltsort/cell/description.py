@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr, model_validator
+from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr
 
+from beltsort.cell.consistency import contradictions
 from beltsort.cell.problems import CellFileError
 from beltsort.cell.sections import (
     ArmSection,
@@ -22,11 +23,10 @@ from beltsort.cell.sections import (
     Timeouts,
     Viewpoint,
 )
-from beltsort.cell.validation import Section, validated
+from beltsort.cell.validation import OWN_CHECKS, Section, validated
 from beltsort.geometry import BeltLayout, Pose
 from beltsort.perception.config import PerceptionConfig
 from beltsort.rules import Rules
-from beltsort.text import nearest_of
 
 VERSION = 1
 
@@ -74,7 +74,7 @@ class CellDescription(Section):
     """Puts objects into bins."""
     backends: dict[str, Options] = Field(default_factory=dict)
     """Options of a back-end for every device that it drives, by the back-end's name."""
-    perception: PerceptionConfig | None = None
+    perception: Annotated[PerceptionConfig, OWN_CHECKS] | None = None
     """Settings of perception; the classifier's own if missing."""
     planner: Planner = Planner()
     """The planner's budget and scenarios."""
@@ -98,74 +98,10 @@ class CellDescription(Section):
             If it cannot be read, or with everything that is wrong in it.
         """
         description = validated(cls, _read(Path(path)))
+        if problems := list(contradictions(description)):
+            raise CellFileError(problems)
         description._folder = Path(path).parent
         return description
-
-    @model_validator(mode="after")
-    def _checked(self) -> Self:
-        problems = [
-            *self._name_problems(),
-            *self._bin_problems(),
-            *self._joint_problems(),
-            *self._backend_problems(),
-        ]
-        if self.prepare is not None and (self.model or self.classifier):
-            problems.append(
-                "prepare stands beside model or classifier, expected one or the other: leave one out"
-            )
-        if self.prepare is None and not (self.model and self.classifier):
-            problems.append(
-                "model and classifier are not both given; name the files, or simulate with [prepare]"
-            )
-        if problems:
-            raise ValueError("; ".join(problems))
-        return self
-
-    def _name_problems(self) -> list[str]:
-        named = (("classes", self.classes), ("viewpoints", tuple(v.name for v in self.viewpoints)))
-        return [
-            f"{key} are named {list(names)}, expected no name twice: rename them"
-            for key, names in named
-            if len(set(names)) < len(names)
-        ]
-
-    def _bin_problems(self) -> list[str]:
-        if self.bins and set(self.bins) != set(self.classes):
-            return [
-                f"bins are given for {sorted(self.bins)}, expected {sorted(self.classes)}: one for each class"
-            ]
-        if self.reject_bin in self.bin_numbers[: len(self.classes)]:
-            return [
-                f"reject_bin is {self.reject_bin}, a class's bin; expected one of its own: choose another"
-            ]
-        return []
-
-    def _joint_problems(self) -> list[str]:
-        limits = self.arm.joint_limits
-        problems = []
-        for number, viewpoint in enumerate(self.viewpoints):
-            joints, where = viewpoint.joints, f"viewpoints[{number}].joints"
-            if limits is None or joints is None:
-                continue
-            if len(joints) != len(limits):
-                problems.append(
-                    f"{where} has {len(joints)} angles, expected {len(limits)} as in arm.joint_limits"
-                )
-                continue
-            problems += [
-                f"{where}[{axis}] is {angle:g}, expected {least:g} to {most:g} as arm.joint_limits say"
-                for axis, (angle, (least, most)) in enumerate(zip(joints, limits, strict=True))
-                if not least <= angle <= most
-            ]
-        return problems
-
-    def _backend_problems(self) -> list[str]:
-        named = list(dict.fromkeys(d.backend for d in (self.arm, self.camera, self.belt, self.sorter)))
-        return [
-            f"backends.{name} has options, but no device has this back-end; {nearest_of(name, named)}"
-            for name in self.backends
-            if name not in named
-        ]
 
     @property
     def bin_numbers(self) -> tuple[int, ...]:

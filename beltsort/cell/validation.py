@@ -7,9 +7,16 @@ beltsort has: where, what was found, what is expected, the nearest known key.
 import json
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar, get_args, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    create_model,
+)
 from pydantic_core import ErrorDetails
 
 from beltsort import BeltsortError
@@ -20,6 +27,17 @@ Settings = TypeVar("Settings")
 
 STRICT = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 """No unknown keys, no text for numbers; the docstrings under the keys appear in messages."""
+
+
+def _told(given: object, check: ValidatorFunctionWrapHandler) -> object:
+    try:
+        return check(given)
+    except BeltsortError as reason:
+        raise ValueError(str(reason)) from reason
+
+
+OWN_CHECKS = WrapValidator(_told)
+"""For a field whose dataclass checks itself and has numbers only: its errors are told with all others."""
 
 
 class Section(BaseModel):
@@ -114,7 +132,7 @@ def _table_at(table: type[object] | None, path: list[int | str]) -> type[object]
 def _annotations(table: type[object] | None) -> dict[str, Any]:
     if table is not None and issubclass(table, BaseModel):
         return {name: field.annotation for name, field in table.model_fields.items()}
-    return {}
+    return get_type_hints(table) if is_dataclass(table) else {}
 
 
 def _table_in(annotation: Any) -> type[object] | None:

@@ -82,15 +82,15 @@ WRONG = [
     ("azimuth = 90.0\n", "", r"viewpoints\[0\]: has elevation, expected joints, or azimuth and elev"),
     (P1, 'name = "p1"', r"viewpoints\[0\]: has no pose, expected joints, or azimuth and elevation, or posi"),
     (P1, 'name = "p1"\njoints = [0.1, "b"]', r"viewpoints\[0\].joints\[1\]: is 'b', expected a valid number"),
-    ('"p1"', '"p2"', r"viewpoints are named \['p2', 'p2', 'p3'\], expected no name twice"),
-    (OBJECTS, "\nreject_bin = 3\n", "reject_bin is 3, a class's bin; expected one of its own"),
-    (OBJECTS, "\nbins = {elongated = 1}\n", r"bins are given for \['elongated'\], expected \['elongated', "),
-    (OBJECTS, '\nmodel = "m"\n', "prepare stands beside model or classifier, expected one or the other"),
-    ("[prepare]\ntraining_objects = 40\ntable_objects = 100", 'model = "m"', "model and classifier"),
-    (OBJECTS, "\nperception = {voxel = 0}\n", "voxel is 0.*, expected above 0"),
+    ('"p1"', '"p2"', r"viewpoints: are named \['p2', 'p2', 'p3'\], expected no name twice"),
+    (OBJECTS, "\nreject_bin = 3\n", "reject_bin: is 3, a class's bin; expected one of its own"),
+    (OBJECTS, "\nbins = {elongated = 1}\n", r"bins: are given for \['elongated'\], expected \['elongated', "),
+    (OBJECTS, '\nmodel = "m"\n', "model: is 'm', but there is .prepare., which makes one"),
+    ("[prepare]\ntraining_objects = 40\ntable_objects = 100", 'model = "m"', "^classifier: is missing"),
+    (OBJECTS, "\nperception = {voxel = 0}\n", "perception: voxel is 0.*, expected above 0"),
     ("[planner]", "[faults.rates]\nnot_don = 0.1\n[planner]", "faults.rates.not_don.*'not_done', 'lost_ack"),
     ("[planner]", "[faults.rates]\nlate = 1.5\n[planner]", "faults.rates.late: is 1.5, expected less"),
-    ("[backends.simulated]", "[backends.simulatd]", "backends.simulatd has options, but no device"),
+    ("[backends.simulated]", "[backends.simulatd]", "backends.simulatd: has options, but drives no de"),
     (
         "[planner]",
         '[[faults.schedule]]\ncommand = "scan"\nnumber = 1\nkind = "full_bin"\n[planner]',
@@ -110,9 +110,9 @@ def test_a_wrong_file_is_told_where_what_and_what_to_do(
 def test_joint_angles_stay_within_the_limits(tmp_path: Path) -> None:
     limits = ("[arm]\n", "[arm]\njoint_limits = [[-3.0, 3.0], [-1.0, 1.0]]\n")
     described(tmp_path, limits, (P1, 'name = "p1"\njoints = [0.1, 0.2]'))
-    with pytest.raises(CellFileError, match=r"viewpoints\[0\].joints\[1\] is 1.2, expected -1 to 1"):
+    with pytest.raises(CellFileError, match=r"viewpoints\[0\].joints\[1\]: is 1.2, expected -1 to 1"):
         described(tmp_path, limits, (P1, 'name = "p1"\njoints = [0.1, 1.2]'))
-    with pytest.raises(CellFileError, match=r"viewpoints\[0\].joints has 1 angles, expected 2"):
+    with pytest.raises(CellFileError, match=r"viewpoints\[0\].joints: has 1 angles, expected 2"):
         described(tmp_path, limits, (P1, 'name = "p1"\njoints = [0.1]'))
 
 
