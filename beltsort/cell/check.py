@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
 from beltsort.cell.commands import CommandError
+from beltsort.cell.frames import from_matrix
 from beltsort.cell.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops
-from beltsort.cell.protocols import Cell, Health
+from beltsort.cell.protocols import Cell, Health, Scan
 from beltsort.cell.registry import ROLES
 from beltsort.cell.sections import CheckLimits
 from beltsort.cell.stopping import stopping
@@ -89,7 +90,15 @@ def _visits(cell: Cell) -> Iterator[View]:
     for viewpoint, name in enumerate(cell.viewpoints):
         stop = cell.arm.move_to(viewpoint, f"check-{now}-{viewpoint}")
         scan = cell.camera.scan(not_before=stop)
+        _check_pose(scan)
         yield View(name, seen_belt(scan), seen_crops(scan, cell.layout))
+
+
+def _check_pose(scan: Scan) -> None:
+    try:
+        from_matrix(scan.world_from_camera.tolist())
+    except ValueError as reason:
+        raise CellError(f"the camera's pose: {reason}") from reason
 
 
 def _beyond(view: View, limits: CheckLimits) -> Iterator[str]:

@@ -15,7 +15,10 @@ from beltsort.cell.simulated import CellConfig
 from beltsort.cell.simulated.backend import BACKEND
 from beltsort.cli import main
 from beltsort.journal import read_journal
+from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.tables.collect import collect_training
+from beltsort.tables.counts import Look, count
+from beltsort.tables.prepare import Prepared
 from tests.cell.cell_files import changed
 from tests.cli.running import command
 
@@ -91,10 +94,10 @@ def test_json_is_one_object_and_the_same_seed_gives_the_same_run(
 
 def test_true_labels_may_be_given_and_cups_empty(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     labels = ('draw_from = ["elongated", "livarno"]', 'true_labels = ["standard", "-"]')
-    assert main(["run", cell_file(folder, labels), "--objects", "2", "--json"]) == 0
+    assert main(["run", cell_file(folder, labels), "--objects", "3", "--json"]) == 0
     result = result_of(capsys)
     assert [d["object"] for d in result["decisions"]] == [0]
-    assert result["skipped"] == [1]
+    assert result["skipped"] == [1, 2], "behind the last object all cups are empty"
 
 
 def test_without_live_nothing_real_moves(
@@ -162,11 +165,19 @@ def test_a_senseless_number_of_objects_is_refused(folder: Path, capsys: pytest.C
 def test_a_cell_prepares_itself(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
-    few = PREPARE.replace("40", "1").replace("100", "1")
-    path = str(changed(folder, (PREPARE, few)))
+    asked: list[Any] = []
+
+    def prepare(config: CellConfig, perception: PerceptionConfig | None, **amounts: Any) -> Prepared:
+        asked.append((config, perception, amounts["training_objects"], amounts["table_objects"]))
+        looks = [Look(j, k, c, c) for j in range(2) for k in range(3) for c in range(4) for _ in range(20)]
+        database = NearestNeighbour.load(folder / "cell" / "classifier.npz")
+        return Prepared(database, count(looks, 2, 3, 4), 20, {}, cached=True)
+
+    monkeypatch.setattr("beltsort.cell_run.prepare", prepare)
+    path = str(changed(folder, (PREPARE, PREPARE.replace("40", "7"))))
     assert main(["run", path, "--objects", "1", "--json"]) == 0
     assert len(result_of(capsys)["decisions"]) == 1
+    assert asked == [(CellConfig(), None, 7, 100)], "what the demo prepares, so that they share it"
 
 
 def test_only_a_simulated_cell_prepares_itself(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

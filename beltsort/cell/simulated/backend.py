@@ -30,7 +30,7 @@ class SimulatedOptions:
     Attributes
     ----------
     true_labels
-        The class of each object, `-` for an empty cup.
+        The class of each object, `-` for an empty cup; behind the last one all cups are empty.
     draw_from
         If no `true_labels` are given: the classes from which as many objects as the run works through are
         drawn, uniformly; all classes if none are named.
@@ -122,7 +122,9 @@ def true_labels(options: SimulatedOptions, cell: CellDescription) -> list[int | 
             if name not in known:
                 raise CellFileError.of(f"{key}[{number}]", f"is {name!r}; {nearest_of(name, known)}")
     if options.true_labels:
-        return [None if name == EMPTY_CUP else cell.classes.index(name) for name in options.true_labels]
+        behind = [EMPTY_CUP] * (cell.objects - len(options.true_labels))
+        named = [*options.true_labels, *behind]
+        return [None if name == EMPTY_CUP else cell.classes.index(name) for name in named]
     choice = options.draw_from or cell.classes
     drawn = generator(options.seed, LABEL_STREAM).integers(len(choice), size=cell.objects)
     return [cell.classes.index(choice[i]) for i in drawn]
