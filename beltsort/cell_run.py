@@ -104,7 +104,7 @@ def open_run(
         If a file cannot be read.
     """
     calls = CallLog(runs / run_name())
-    cell = compose(description, live=live, say=say, record=calls)
+    cell = compose(description, live=live, say=say, run=calls.folder.name, record=calls)
     if cell.rehearsed:
         calls.folder = runs / f"{calls.folder.name}-dry-run"
     return CellRun(description, cell, *_knowledge(description, progress), calls.folder)

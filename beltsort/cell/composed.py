@@ -15,6 +15,7 @@ from beltsort.cell.wrappers.dry_run import DryRun, Say
 from beltsort.cell.wrappers.faults import Faults
 from beltsort.cell.wrappers.limits import Limits
 from beltsort.cell.wrappers.recorder import Recorded, Recorder
+from beltsort.cell.wrappers.run_ids import RunIds
 from beltsort.cell.wrappers.taught_poses import TaughtPoses
 from beltsort.cell.wrappers.wrapped import (
     Around,
@@ -60,13 +61,14 @@ def compose(
     *,
     live: bool,
     say: Say,
+    run: str = "",
     record: Callable[[Recorded], None] | None = None,
 ) -> ComposedCell:
     """Make the devices that a cell file names.
 
     Around each device, from the outside: what makes no sense is refused (`Limits`), scans without a pose get
-    the taught one, calls are recorded, and commands only said unless `live`; then faults on purpose,
-    deadlines, and the sorter's numbers of its bins.
+    the taught one, calls are recorded, and commands only said unless `live`; then ids unique for the
+    device, faults on purpose, deadlines, and the sorter's numbers of its bins.
 
     Parameters
     ----------
@@ -77,6 +79,8 @@ def compose(
         put into a dry run.
     say
         Called with what a dry run would have done.
+    run
+        Name of the run, if there is one: it makes its command ids unique for the devices.
     record
         Called with every call of a device that has ended.
 
@@ -89,7 +93,7 @@ def compose(
     maker = _Maker(description)
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
     rehearsed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
-    outside, inside = _outside(description), _inside(description)
+    outside, inside = _outside(description), _inside(description, run)
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
         dry_run = [DryRun(say)] if role in rehearsed else []
@@ -149,12 +153,13 @@ def _outside(description: CellDescription) -> list[Around]:
     return [Limits(names, labels), TaughtPoses(names, poses)]
 
 
-def _inside(description: CellDescription) -> list[Around]:
+def _inside(description: CellDescription, run: str) -> list[Around]:
     timeouts = description.timeouts
     seconds = {
         "move_to": timeouts.move, "scan": timeouts.scan, "sort": timeouts.sort, "advance_to": timeouts.advance
     }  # fmt: skip
-    inside: list[Around] = [Deadlines(seconds), Bins(description.bin_numbers)]
+    faults: list[Around] = []
     if description.faults is not None:
-        inside.insert(0, Faults(description.faults.plan(), len(description.viewpoints)))
-    return inside
+        faults = [Faults(description.faults.plan(), len(description.viewpoints))]
+    ids = [RunIds(run)] if run else []
+    return [*ids, *faults, Deadlines(seconds), Bins(description.bin_numbers)]

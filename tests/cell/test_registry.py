@@ -20,12 +20,14 @@ class Press:
 
     def __init__(self) -> None:
         self.sorted: list[tuple[int, float]] = []
+        self.ids: list[str] = []
 
     def health(self) -> Health:
         return Health(ready=True, boot_id="press")
 
     def sort(self, label: int, command_id: str, *, timeout: float) -> None:
         self.sorted.append((label, timeout))
+        self.ids.append(command_id)
 
 
 PRESS = Press()
@@ -43,6 +45,7 @@ def acme(monkeypatch: pytest.MonkeyPatch) -> Press:
     installed = {"beltsort.sorter": [entry, wrong, absent, shadow]}
     monkeypatch.setattr(registry, "entry_points", lambda group: installed.get(group, []))
     PRESS.sorted.clear()
+    PRESS.ids.clear()
     return PRESS
 
 
@@ -98,6 +101,12 @@ def test_a_sorter_gets_its_own_numbers_and_its_time(acme: Press, tmp_path: Path)
 def test_what_is_no_back_end_is_refused(acme: Press, tmp_path: Path, name: str, said: str) -> None:
     with pytest.raises(CellFileError, match=said):
         composed(tmp_path, (ACME[0], f'[sorter]\nbackend = "{name}"'))
+
+
+def test_two_runs_do_not_share_their_commands(acme: Press, tmp_path: Path) -> None:
+    for run in ("monday", "monday", "tuesday"):
+        composed(tmp_path, ACME, live=True, run=run).sorter.sort(1, "sort-1")
+    assert acme.ids == ["monday/sort-1", "monday/sort-1", "tuesday/sort-1"]
 
 
 def test_built_in_names_come_first(acme: Press, tmp_path: Path) -> None:
