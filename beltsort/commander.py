@@ -16,7 +16,7 @@ from beltsort.cell import Actuator, Cell, CommandError, EmergencyStopError, Outc
 from beltsort.errors import CellError
 from beltsort.progress import Command, Progress
 from beltsort.record import Record
-from beltsort.rules import Rules, Timeouts
+from beltsort.rules import Rules
 
 
 class HeldError(CellError):
@@ -56,7 +56,7 @@ class Commander:
         Of the run.
     record
         Writes an entry and applies it to `progress`.
-    rules, timeouts
+    rules
         Limits.
     operator
         Asked where nothing else helps.
@@ -68,11 +68,10 @@ class Commander:
         progress: Progress,
         record: Record,
         rules: Rules,
-        timeouts: Timeouts,
         operator: Operator,
     ) -> None:
         self._cell, self._progress, self._record = cell, progress, record
-        self._rules, self._timeouts, self._operator = rules, timeouts, operator
+        self._rules, self._operator = rules, operator
 
     def issue(self, name: str, target: int, *, arriving: bool = False) -> None:
         """Carry out a new command.
@@ -163,14 +162,14 @@ class Commander:
         self._record("outcome", command_id=command.id, outcome=outcome.value, error=repr(failure))
 
     def _act(self, command: Command) -> float | None:
-        cell, times, target, identity = self._cell, self._timeouts, command.target, command.id
+        cell, target, identity = self._cell, command.target, command.id
         match command.name:
             case "move":
-                return cell.arm.move_to(target, identity, timeout=times.move)
+                return cell.arm.move_to(target, identity)
             case "advance":
-                return cell.belt.advance_to(target, identity, timeout=times.advance)
+                return cell.belt.advance_to(target, identity)
             case _:
-                cell.sorter.sort(target, identity, timeout=times.sort)
+                cell.sorter.sort(target, identity)
                 return None
 
     def _fate(self, command: Command) -> Outcome:

@@ -8,7 +8,7 @@ from beltsort.cell import CommandError, DepthCamera, EmergencyStopError, Scan
 from beltsort.errors import CellError, CloudError
 from beltsort.progress import Progress
 from beltsort.record import Record
-from beltsort.rules import Rules, Timeouts
+from beltsort.rules import Rules
 
 if TYPE_CHECKING:
     from beltsort.tables import DriftWatch
@@ -46,7 +46,7 @@ class Observer:
         Of the run.
     record
         Writes an entry and applies it to `progress`.
-    rules, timeouts
+    rules
         Limits.
     watch
         Sees every scan; its alarms are written down.
@@ -59,11 +59,10 @@ class Observer:
         progress: Progress,
         record: Record,
         rules: Rules,
-        timeouts: Timeouts,
         watch: "DriftWatch | None" = None,
     ) -> None:
         self._camera, self._perceive, self._progress, self._record = camera, perceive, progress, record
-        self._rules, self._timeouts, self._watch = rules, timeouts, watch
+        self._rules, self._watch = rules, watch
         empty = progress.model.empty
         self._empty = None if empty is None else progress.model.classes.index(empty)
 
@@ -119,7 +118,7 @@ class Observer:
     def _fresh_scan(self) -> Scan:
         """Return a scan younger than the last stop, whatever the camera thinks of that."""
         stopped = self._progress.stopped
-        scan = self._camera.scan(not_before=stopped, timeout=self._timeouts.scan)
+        scan = self._camera.scan(not_before=stopped)
         if scan.stamp < stopped:
             raise CloudError(
                 f"the scan is of {scan.stamp:.3f} s, before the stop at {stopped:.3f} s; set the clocks"

@@ -30,16 +30,6 @@ class Rules:
     command_attempts: int = 3
 
 
-@dataclass(frozen=True)
-class Timeouts:
-    """How long each act of the cell may take, seconds."""
-
-    move: float = 30.0
-    scan: float = 10.0
-    sort: float = 30.0
-    advance: float = 30.0
-
-
 @dataclass
 class Seen:
     """What is known of one object besides the belief.

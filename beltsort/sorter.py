@@ -6,6 +6,7 @@ from uuid import uuid4
 import beltsort
 from beltsort._core import Decide, Despot, Move, PolicyError, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
+from beltsort.cell.stopping import stopping
 from beltsort.commander import Commander, Operator, nobody
 from beltsort.errors import CellError
 from beltsort.journal import Journal
@@ -14,7 +15,7 @@ from beltsort.policy import Policy
 from beltsort.progress import Owed, Progress
 from beltsort.record import Record, progress_in
 from beltsort.report import SortingReport
-from beltsort.rules import Rules, Timeouts
+from beltsort.rules import Rules
 
 if TYPE_CHECKING:
     from beltsort.tables import DriftWatch
@@ -35,7 +36,6 @@ def sort_objects(
     *,
     objects: int,
     rules: Rules | None = None,
-    timeouts: Timeouts | None = None,
     operator: Operator = nobody,
     watch: "DriftWatch | None" = None,
 ) -> SortingReport:
@@ -58,8 +58,8 @@ def sort_objects(
     objects
         Belt places to work through, object 0 standing at the belt end now. An empty one is skipped: when
         `Rules.empty_looks` says so or, if the model has a class for empty cups, when that is decided.
-    rules, timeouts
-        Limits; default `Rules()` and `Timeouts()`.
+    rules
+        Limits; default `Rules()`.
     operator
         Asked what became of a command where no device can tell; by default the run ends as held.
     watch
@@ -76,7 +76,7 @@ def sort_objects(
         Whatever else the cell, perception or the policy raise.
     """
     record = Record(journal, Progress.at_start(model))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator, watch)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, watch)
     return loop.run(
         "start",
         run=uuid4().hex[:8],
@@ -94,7 +94,6 @@ def resume_sorting(
     journal: Journal,
     *,
     rules: Rules | None = None,
-    timeouts: Timeouts | None = None,
     operator: Operator = nobody,
     watch: "DriftWatch | None" = None,
 ) -> SortingReport:
@@ -106,7 +105,7 @@ def resume_sorting(
 
     Parameters
     ----------
-    cell, perceive, policy, rules, timeouts, operator, watch
+    cell, perceive, policy, rules, operator, watch
         As in `sort_objects`; the same as before, if the decisions are to be the same.
     journal
         The run's journal, opened with ``resume=True``.
@@ -124,8 +123,14 @@ def resume_sorting(
         As `sort_objects`.
     """
     record = Record(journal, progress_in(journal.path))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), timeouts or Timeouts(), operator, watch)
-    return loop.run("resume", planner=_settings(policy), beltsort=beltsort.__version__)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, watch)
+    return loop.run(
+        "resume",
+        objects=record.progress.objects,
+        model=record.progress.model.to_json(),
+        planner=_settings(policy),
+        beltsort=beltsort.__version__,
+    )
 
 
 class _Loop:
@@ -136,7 +141,6 @@ class _Loop:
         policy: Policy,
         record: Record,
         rules: Rules,
-        timeouts: Timeouts,
         operator: Operator,
         watch: "DriftWatch | None",
     ) -> None:
@@ -144,34 +148,29 @@ class _Loop:
         self.progress = record.progress
         self.model = self.progress.model
         _check_fit(cell, self.model)
-        self.commander = Commander(cell, self.progress, record, rules, timeouts, operator)
-        self.observer = Observer(cell.camera, perceive, self.progress, record, rules, timeouts, watch)
+        self.commander = Commander(cell, self.progress, record, rules, operator)
+        self.observer = Observer(cell.camera, perceive, self.progress, record, rules, watch)
 
     def run(self, kind: str, **data: Any) -> SortingReport:
-        """Work until nothing is left, from a first entry on; write down how it ends."""
+        """Work until nothing is left, from a first entry on; write down how it ends.
+
+        What ends it early stops every device.
+        """
         try:
-            self.record(kind, **data)
-            self.record("state", state="Execute", reason=kind)
-            while not self.progress.done:
-                self.step()
+            with stopping(self.cell):
+                self.record(kind, **data)
+                self.record("state", state="Execute", reason=kind)
+                while not self.progress.done:
+                    self.step()
         except BaseException as failure:
-            self.break_off(failure)
+            aborted = isinstance(failure, EmergencyStopError) or not isinstance(failure, CellError)
+            self.record("state", state="Aborted" if aborted else "Held", reason=repr(failure))
+            self.record("end", reason=repr(failure))
             raise
         self.record("state", state="Complete", reason="all objects have left the belt")
         self.record("end", reason="done")
         progress = self.progress
         return SortingReport(progress.steps, tuple(progress.decisions), tuple(progress.skipped))
-
-    def break_off(self, failure: BaseException) -> None:
-        """Stop every motion, and write down why."""
-        for device in (self.cell.arm, self.cell.belt, self.cell.sorter):
-            try:
-                device.stop()
-            except CellError as reason:
-                self.record("state", state="Stopping", reason=f"a device did not stop: {reason}")
-        aborted = isinstance(failure, EmergencyStopError) or not isinstance(failure, CellError)
-        self.record("state", state="Aborted" if aborted else "Held", reason=repr(failure))
-        self.record("end", reason=repr(failure))
 
     def step(self) -> None:
         """Do what is owed."""

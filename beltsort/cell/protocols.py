@@ -17,7 +17,7 @@ The emergency stop belongs to hardware. Software only reports it (`Health.emerge
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from beltsort.cell.commands import TIMEOUT, Outcome
 from beltsort.geometry import BeltLayout, Points, Pose
@@ -117,6 +117,26 @@ class Sorter(Actuator, Protocol):
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`."""
+
+
+@runtime_checkable
+class Restorable(Protocol):
+    """A device whose world ends with the process that made it, such as a simulated one."""
+
+    def restore(self, index: int, *, looks: int, taken: bool, clock: float) -> None:
+        """Stand where a run broke off.
+
+        Parameters
+        ----------
+        index
+            Number of the object at the belt end.
+        looks
+            Scans since it arrived there.
+        taken
+            Whether it has been sorted.
+        clock
+            Seconds on the cell's clock.
+        """
 
 
 class Cell(Protocol):

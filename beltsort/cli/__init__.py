@@ -10,8 +10,10 @@ from argparse import ArgumentParser
 from collections.abc import Sequence
 
 from beltsort import BeltsortError, __version__
+from beltsort.cell.problems import CellFileError
 from beltsort.cli import (
     bench,
+    check,
     classify,
     compare,
     demo,
@@ -21,6 +23,7 @@ from beltsort.cli import (
     export,
     info,
     plan,
+    run,
     show,
     solve,
     train,
@@ -29,6 +32,8 @@ from beltsort.cli import (
 
 COMMANDS = (
     demo,
+    run,
+    check,
     info,
     plan,
     evaluate,
@@ -57,13 +62,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0, 2 for an error (of usage, too), 130 when interrupted.
+        Exit code: 0, 1 when a check exceeds a limit, 2 for an error (of usage, too), 130 when interrupted.
     """
     given = sys.argv[1:] if argv is None else list(argv)
     arguments = parser().parse_args(given)
     arguments.command_line = shlex.join(["beltsort", *given])
     try:
         code: int = arguments.run(arguments)
+    except CellFileError as error:  # one line for each problem
+        print(f"beltsort: error: {arguments.cell} is wrong:\n{error}", file=sys.stderr)
+        return FAILED
     except (BeltsortError, OSError, OverflowError) as error:
         print("beltsort: error:", " ".join(str(error).split()), file=sys.stderr)
         return FAILED

@@ -3,11 +3,11 @@
 import json
 from argparse import ArgumentParser, Namespace, _SubParsersAction
 from collections.abc import Sequence
-from difflib import get_close_matches
 from inspect import signature
 from typing import Any, TypeAlias
 
 from beltsort import ArgumentError, Solution, SortingModel
+from beltsort.text import nearest_of
 
 Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
 
@@ -142,9 +142,3 @@ def index_of(text: str, names: Sequence[str], what: str) -> int:
     if text.isdecimal() and int(text) < len(names):
         return int(text)
     raise ArgumentError(f"there is no {what} {text!r}; {nearest_of(text, names)}, or 0 to {len(names) - 1}")
-
-
-def nearest_of(text: str, names: Sequence[str]) -> str:
-    """Say which names there are, and which one was probably meant."""
-    (nearest,) = get_close_matches(text, names, n=1, cutoff=0.0)
-    return f"did you mean {nearest!r}? Known: {', '.join(names)}"

@@ -1,21 +1,18 @@
 """`beltsort demo`: the main job on the simulated cell."""
 
 import argparse
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json
-from beltsort.journal import Listener
+from beltsort.cli.watching import listening, stages
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from beltsort.experiments.demo import DemoResult
-    from beltsort.tables.prepare import Prepared, StageProgress
-    from beltsort.tables.processes import Progress
+    from beltsort.tables.prepare import Prepared
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -51,72 +48,27 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from rich.console import Console
 
-    from beltsort.experiments.demo import as_json, check_seed, make_folder, run_demo, run_name
+    from beltsort.experiments.demo import as_json, check_seed, run_demo
+    from beltsort.runs import make_folder, run_name
     from beltsort.tables.prepare import prepare
 
     console = Console(stderr=arguments.json, highlight=False, soft_wrap=True)
     # Whatever can be refused is refused before minutes are spent.
     check_seed(arguments.seed)
     runs = make_folder(Path("runs"))
-    with _stages(console) as stage:
+    with stages(console) as stage:
         prepared = prepare(
             training_objects=arguments.training_objects,
             table_objects=arguments.objects_per_row,
             progress=stage,
         )
     _tell_tables(console, prepared)
-    with _listener(console) as listener:
+    with listening(console) as listener:
         result = run_demo(prepared, arguments.seed, make_folder(runs / run_name()), listener)
     _tell_result(console, result)
     if arguments.json:
         print_json(as_json(result, arguments.seed))
     return 0
-
-
-@contextmanager
-def _stages(console: "Console") -> "Iterator[StageProgress]":
-    """Yield what starts a progress bar, or plain lines every tenth where there is no terminal."""
-    if not console.is_terminal:
-        yield lambda name: _plain_progress(console, name)
-        return
-    from rich import progress as rich_progress
-
-    columns = (
-        rich_progress.TextColumn("{task.description:<9}"),
-        rich_progress.BarColumn(),
-        rich_progress.TimeElapsedColumn(),
-        rich_progress.TimeRemainingColumn(),
-    )
-    with rich_progress.Progress(*columns, console=console) as bars:
-
-        def start(name: str) -> "Progress":
-            task = bars.add_task(name, total=None)
-            return lambda done, total: bars.update(task, completed=done, total=total)
-
-        yield start
-
-
-def _plain_progress(console: "Console", name: str) -> "Progress":
-    def report(done: int, total: int) -> None:
-        if done * 10 // total > (done - 1) * 10 // total:
-            console.print(f"{name} {100 * done // total} %")
-
-    return report
-
-
-@contextmanager
-def _listener(console: "Console") -> Iterator[Listener]:
-    """Yield what shows the run: a live view, or a line per event where there is no terminal."""
-    if console.is_terminal:
-        from beltsort.cli.live import LiveView
-
-        with LiveView(console) as view:
-            yield view
-        return
-    from beltsort.cli.narrate import Narrator
-
-    narrator = Narrator()
-    yield lambda entry: console.print(line) if (line := narrator.line(entry)) else None
 
 
 def _tell_tables(console: "Console", prepared: "Prepared") -> None:

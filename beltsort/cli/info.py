@@ -11,7 +11,7 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table
 from beltsort.machine import processors
 
-PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "rich")
+PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "pydantic", "rich")
 
 
 def add_parser(subparsers: Subparsers) -> None:

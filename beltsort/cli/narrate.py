@@ -27,7 +27,7 @@ class Narrator:
     def line(self, entry: Entry) -> str | None:
         """Return what `entry` tells."""
         match entry.kind:
-            case "start" | "snapshot" if not self.classes:
+            case "start" | "snapshot" | "resume" if not self.classes:
                 text = self._start(entry.data)
             case "state" if entry.data["state"] in ("Held", "Aborted"):
                 text = f"{entry.data['state'].lower()}: {entry.data['reason']}"

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -11,12 +10,11 @@ import numpy as np
 
 import beltsort
 from beltsort.cell.simulated import CellConfig, SimulatedCell
-from beltsort.errors import JournalError
 from beltsort.experiments.belief_figure import draw_belief
-from beltsort.journal import Journal, Listener, read_journal
+from beltsort.journal import Listener, read_journal
 from beltsort.perception import Perception
 from beltsort.report import SortingReport
-from beltsort.sorter import sort_objects
+from beltsort.runs import JOURNAL, plain_decision, sort_into
 from beltsort.tables.prepare import Prepared
 
 OBJECTS = 10
@@ -72,28 +70,6 @@ def check_seed(seed: int) -> None:
         raise beltsort.ArgumentError(f"seed is {seed}; give a whole number from 0 on")
 
 
-def make_folder(folder: Path) -> Path:
-    """Make a folder for runs, or for one run, and return it.
-
-    Raises
-    ------
-    JournalError
-        If it cannot be made.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as reason:
-        raise JournalError(
-            f"the run folder {folder} cannot be made: {reason}; work in a folder that can be written"
-        ) from reason
-    return folder
-
-
-def run_name() -> str:
-    """Return a name for a run of now."""
-    return datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
-
-
 def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | None = None) -> DemoResult:
     """Sort ten bulbs of the simulated cell, planned by DESPOT.
 
@@ -122,16 +98,14 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
     model = prepared.counts.model(
         config.classes, names, note="simulated cell: says what the simulator was set to"
     )
-    model.save(folder / "model.json")
     planner = beltsort.Despot(model, seed=seed, trials=TRIALS)
     ready = perf_counter()
     labels = true_labels(seed, config.classes)
     cell = SimulatedCell(labels, config, seed=seed)
     perception = Perception(config.layout, prepared.database)
-    with Journal(folder / "journal.sqlite", listener) as journal:
-        report = sort_objects(cell, perception, planner, model, journal, objects=OBJECTS)
+    report = sort_into(folder, cell, perception, planner, model, objects=OBJECTS, listener=listener)
     sorted_at = perf_counter()
-    draw_belief(read_journal(folder / "journal.sqlite"), folder / "belief.png")
+    draw_belief(read_journal(folder / JOURNAL), folder / "belief.png")
     seconds = {
         **prepared.seconds,
         "planner": ready - began,
@@ -143,14 +117,9 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
 
 def as_json(result: DemoResult, seed: int) -> dict[str, Any]:
     """Return the result as plain data."""
+    classes = result.model.classes
     decisions = [
-        {
-            "object": d.object,
-            "true": result.model.classes[result.true_labels[d.object]],
-            "decided": None if d.label is None else result.model.classes[d.label],
-            "looks": d.looks,
-            "belief": d.belief,
-        }
+        {"true": classes[result.true_labels[d.object]], **plain_decision(d, classes)}
         for d in result.report.decisions
     ]
     return {

@@ -23,7 +23,7 @@ from beltsort.tables.processes import Progress, at_least_one
 SEED = 2019  # of training and tables, whatever a run's own seed: all runs share one cache
 
 PACKAGE = Path(beltsort.__file__).parent
-SOURCES = ("geometry.py", "cell/**/*.py", "perception/**/*.py", "tables/**/*.py")
+SOURCES = ("geometry.py", "cell/simulated/**/*.py", "perception/**/*.py", "tables/**/*.py")
 
 StageProgress = Callable[[str], Progress]
 

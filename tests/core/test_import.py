@@ -8,7 +8,7 @@ import sys, time
 start = time.perf_counter()
 import beltsort
 print(time.perf_counter() - start)
-print(*sorted({"open3d", "matplotlib", "rich", "sklearn"} & set(sys.modules)))
+print(*sorted({"open3d", "matplotlib", "pydantic", "rich", "sklearn"} & set(sys.modules)))
 """
 
 

@@ -8,12 +8,10 @@ import pytest
 
 import beltsort
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
-from beltsort.cell.commands import TIMEOUT
 from beltsort.commander import HeldError, Operator, nobody
 from beltsort.journal import Entry, Journal, read_journal
 from beltsort.progress import Command
 from beltsort.report import SortingReport
-from beltsort.rules import Timeouts
 from beltsort.sorter import resume_sorting, sort_objects
 from tests.loop.scripted_cell import ScriptedCell, scripted
 
@@ -146,7 +144,7 @@ def test_the_emergency_stop_aborts_at_once(tmp_path: Path) -> None:
         sort_two(tmp_path, cell)
     entries = read_journal(tmp_path / "journal.sqlite")
     assert [e.data["state"] for e in entries if e.kind == "state"] == ["Execute", "Aborted"]
-    assert cell.stops == 3
+    assert cell.stops == 4
 
 
 def test_a_device_with_a_fault_gets_no_command(tmp_path: Path) -> None:
@@ -158,24 +156,3 @@ def test_a_device_with_a_fault_gets_no_command(tmp_path: Path) -> None:
     with pytest.raises(CommandError, match="not ready: door open"):
         sort_two(tmp_path, cell)
     assert cell.acts == []
-
-
-def test_timeouts_reach_the_devices(tmp_path: Path) -> None:
-    heard: dict[str, float] = {}
-
-    class Listening(FailingCell):
-        def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
-            heard["sort"] = timeout
-            super().sort(label, command_id, timeout=timeout)
-
-    with Journal(tmp_path / "j") as journal:
-        sort_objects(
-            Listening(PAPER),
-            scripted(certain()),
-            LookOnce(),
-            PAPER,
-            journal,
-            objects=1,
-            timeouts=Timeouts(sort=3.0),
-        )
-    assert heard == {"sort": 3.0}

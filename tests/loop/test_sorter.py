@@ -195,7 +195,7 @@ def test_interrupt_leaves_a_complete_journal(tmp_path: Path, call: int) -> None:
     outcomes = [e.data for e in entries if e.kind == "outcome"]
     assert intents == {o["command_id"] for o in outcomes}
     assert [o["outcome"] for o in outcomes] == ["done"] * call + ["unknown"]
-    assert cell.stops == 3, "arm, belt and sorter"
+    assert cell.stops == 4, "every device"
 
 
 def test_cell_and_model_must_agree(tmp_path: Path) -> None:

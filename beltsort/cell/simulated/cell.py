@@ -121,19 +121,7 @@ class SimulatedCell:
         return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
 
     def restore(self, index: int, *, looks: int, taken: bool, clock: float) -> None:
-        """Stand where a run broke off: the process that ended took its simulated world with it.
-
-        Parameters
-        ----------
-        index
-            Number of the object at the belt end.
-        looks
-            Scans since it arrived there.
-        taken
-            Whether it has been sorted.
-        clock
-            Seconds of simulated time.
-        """
+        """Stand where a run broke off: see `beltsort.cell.protocols.Restorable`."""
         if index > 0:
             self._world.advance_to(index)
         if taken:

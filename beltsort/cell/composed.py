@@ -1,0 +1,165 @@
+"""A cell put together from the devices that its file names."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from beltsort.cell.description import CellDescription
+from beltsort.cell.problems import CellFileError, raise_all
+from beltsort.cell.protocols import Arm, Belt, DepthCamera, Sorter
+from beltsort.cell.registry import ROLES, Backend, backend
+from beltsort.cell.wrappers.bins import Bins
+from beltsort.cell.wrappers.deadlines import Deadlines
+from beltsort.cell.wrappers.dry_run import DryRun, Say
+from beltsort.cell.wrappers.faults import Faults
+from beltsort.cell.wrappers.limits import Limits
+from beltsort.cell.wrappers.recorder import Recorded, Recorder
+from beltsort.cell.wrappers.taught_poses import TaughtPoses
+from beltsort.cell.wrappers.wrapped import (
+    Around,
+    WrappedArm,
+    WrappedBelt,
+    WrappedCamera,
+    WrappedSorter,
+    chained,
+)
+from beltsort.geometry import BeltLayout
+
+WRAPPED = {"arm": WrappedArm, "camera": WrappedCamera, "belt": WrappedBelt, "sorter": WrappedSorter}
+MOVERS = ("arm", "belt", "sorter")
+
+
+@dataclass(frozen=True)
+class ComposedCell:
+    """Arm, camera, belt and sorter of any back-ends: a `Cell`.
+
+    Attributes
+    ----------
+    arm, camera, belt, sorter
+        The devices.
+    classes, viewpoints, layout, reject_bin
+        As in `Cell`; the label of the reject bin is the one behind the classes'.
+    rehearsed
+        Names of the devices that only say what they would do.
+    """
+
+    arm: Arm
+    camera: DepthCamera
+    belt: Belt
+    sorter: Sorter
+    classes: tuple[str, ...]
+    viewpoints: tuple[str, ...]
+    layout: BeltLayout
+    reject_bin: int | None
+    rehearsed: tuple[str, ...] = ()
+
+
+def compose(
+    description: CellDescription,
+    *,
+    live: bool,
+    say: Say,
+    record: Callable[[Recorded], None] | None = None,
+    made: Callable[[Any], None] = lambda _device: None,
+) -> ComposedCell:
+    """Make the devices that a cell file names.
+
+    Around each device, from the outside: what makes no sense is refused (`Limits`), scans without a pose get
+    the taught one, calls are recorded, and commands only said unless `live`; then faults on purpose,
+    deadlines, and the sorter's numbers of its bins.
+
+    Parameters
+    ----------
+    description
+        The cell file.
+    live
+        Whether things may move. If not, every arm, belt and sorter whose back-end can move something real is
+        put into a dry run.
+    say
+        Called with what a dry run would have done.
+    record
+        Called with every call of a device that has ended.
+    made
+        Called with every device as its back-end made it.
+
+    Raises
+    ------
+    CellFileError
+        With everything that is wrong with back-ends and their options.
+    """
+    kinds = _all_of(lambda role: backend(role, description.device(role).backend))
+    maker = _Maker(description, made)
+    devices = _all_of(lambda role: maker.device(role, kinds[role]))
+    rehearsed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
+    outside, inside = _outside(description), _inside(description)
+    for role in ROLES:
+        recorder = [] if record is None else [Recorder(role, record)]
+        dry_run = [DryRun(say)] if role in rehearsed else []
+        around = chained([*outside, *recorder, *dry_run, *inside])
+        devices[role] = WRAPPED[role](devices[role], around)
+    return ComposedCell(
+        **devices,
+        classes=description.classes,
+        viewpoints=description.viewpoint_names,
+        layout=description.layout,
+        reject_bin=None if description.reject_bin is None else len(description.classes),
+        rehearsed=rehearsed,
+    )
+
+
+@dataclass
+class _Maker:
+    """Makes the devices of one cell; those that may be shared only once."""
+
+    description: CellDescription
+    tell: Callable[[Any], None]
+    made: list[tuple[Backend, Mapping[str, object], Any]] = field(default_factory=list)
+
+    def device(self, role: str, kind: Backend) -> Any:
+        options = self.description.options_of(role)
+        for same_kind, same_options, device in self.made:
+            if kind.shared and (same_kind, same_options) == (kind, options):
+                return device
+        try:
+            device = kind.make(options, self.description)
+        except CellFileError as error:
+            raise error.below(lambda key: self._place(role, key)) from None
+        self.made.append((kind, options, device))
+        self.tell(device)
+        return device
+
+    def _place(self, role: str, key: str) -> str:
+        """Return the table in which an option stands, or would stand if it were given."""
+        name = self.description.device(role).backend
+        shared = self.description.backends.get(name, {})
+        return f"backends.{name}" if not key or re.split(r"[.[]", key)[0] in shared else f"{role}.options"
+
+
+def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
+    """Return what is made for each role, or raise one error with all that is wrong, each thing once."""
+    made, errors = {}, []
+    for role in ROLES:
+        try:
+            made[role] = make(role)
+        except CellFileError as error:
+            errors.append(error)
+    raise_all(errors)
+    return made
+
+
+def _outside(description: CellDescription) -> list[Around]:
+    names, poses = description.viewpoint_names, [viewpoint.pose() for viewpoint in description.viewpoints]
+    labels = [*description.classes, "the reject bin"][: len(description.bin_numbers)]
+    return [Limits(names, labels), TaughtPoses(names, poses)]
+
+
+def _inside(description: CellDescription) -> list[Around]:
+    timeouts = description.timeouts
+    seconds = {
+        "move_to": timeouts.move, "scan": timeouts.scan, "sort": timeouts.sort, "advance_to": timeouts.advance
+    }  # fmt: skip
+    faults: list[Around] = []
+    if description.faults is not None:
+        faults = [Faults(description.faults.plan(), len(description.viewpoints))]
+    return [*faults, Deadlines(seconds), Bins(description.bin_numbers)]

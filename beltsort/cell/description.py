@@ -1,0 +1,155 @@
+"""The cell file: what a robot cell consists of, as TOML (docs/cell.md)."""
+
+import tomllib
+from os import PathLike
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr
+
+from beltsort.cell.consistency import contradictions
+from beltsort.cell.problems import CellFileError
+from beltsort.cell.sections import (
+    ArmSection,
+    BeltSection,
+    CameraSection,
+    CheckLimits,
+    DeviceSection,
+    FaultSection,
+    Options,
+    Planner,
+    Prepare,
+    Timeouts,
+    Viewpoint,
+)
+from beltsort.cell.validation import OWN_CHECKS, Section, validated
+from beltsort.geometry import BeltLayout, Pose
+from beltsort.perception.config import PerceptionConfig
+from beltsort.rules import Rules
+
+VERSION = 1
+
+
+class CellDescription(Section):
+    """A robot cell, as its file describes it.
+
+    The world of a cell is its belt's frame (`beltsort.geometry`); `world_from_belt` says where that lies in
+    the robot's world, for drivers that are told or tell poses in the latter.
+
+    Examples
+    --------
+    >>> cell = CellDescription.load("examples/simulated.toml")
+    >>> cell.classes
+    ('elongated', 'livarno', 'mushroom', 'standard')
+    >>> cell.layout.spacing
+    0.18
+    """
+
+    version: Literal[1]
+    """Version of the file's format: 1."""
+    classes: Annotated[tuple[str, ...], Field(min_length=1)]
+    """Names of the object classes, in the order of the model's."""
+    bins: dict[str, NonNegativeInt] = Field(default_factory=dict)
+    """The sorter's number of the bin of each class; 0, 1, 2, ... in the order of the classes if missing."""
+    reject_bin: NonNegativeInt | None = None
+    """The sorter's number of the bin for undecided objects; none if missing."""
+    objects: PositiveInt = 10
+    """How many belt places a run works through."""
+    model: str | None = None
+    """Model file (JSON), tables included."""
+    classifier: str | None = None
+    """File of the trained classifier (.npz)."""
+    prepare: Prepare | None = None
+    """In place of model and classifier, for a simulated cell: how much it is trained and counted on."""
+    viewpoints: Annotated[tuple[Viewpoint, ...], Field(min_length=1)]
+    """Where the camera can stand, in the order of the model's viewpoints; the first is where a run starts."""
+    arm: ArmSection
+    """Carries the camera."""
+    camera: CameraSection
+    """Takes scans."""
+    belt: BeltSection
+    """Carries the objects."""
+    sorter: DeviceSection
+    """Puts objects into bins."""
+    backends: dict[str, Options] = Field(default_factory=dict)
+    """Options of a back-end for every device that it drives, by the back-end's name."""
+    perception: Annotated[PerceptionConfig, OWN_CHECKS] | None = None
+    """Settings of perception; the classifier's own if missing."""
+    planner: Planner = Planner()
+    """The planner's budget and scenarios."""
+    rules: Rules = Rules()
+    """Limits of the loop."""
+    timeouts: Timeouts = Timeouts()
+    """How long each kind of command may take."""
+    check: CheckLimits = CheckLimits()
+    """What `beltsort check` tolerates."""
+    faults: FaultSection | None = None
+    """Faults that are injected on purpose."""
+    _folder: Path = PrivateAttr(default=Path())
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Self:
+        """Read a cell file.
+
+        Raises
+        ------
+        CellFileError
+            If it cannot be read, or with everything that is wrong in it.
+        """
+        description = validated(cls, _read(Path(path)))
+        if problems := list(contradictions(description)):
+            raise CellFileError(problems)
+        description._folder = Path(path).parent
+        return description
+
+    @property
+    def bin_numbers(self) -> tuple[int, ...]:
+        """The sorter's bin of each label, the reject bin's, if there is one, behind the classes'."""
+        numbers = [self.bins.get(name, label) for label, name in enumerate(self.classes)]
+        return tuple(numbers if self.reject_bin is None else [*numbers, self.reject_bin])
+
+    @property
+    def viewpoint_names(self) -> tuple[str, ...]:
+        """Names of the viewpoints."""
+        return tuple(viewpoint.name for viewpoint in self.viewpoints)
+
+    @property
+    def layout(self) -> BeltLayout:
+        """The belt's geometry."""
+        belt = self.belt
+        return BeltLayout(
+            belt.positions, belt.spacing, belt.rim_height, belt.rim_radius, belt.crop_height, belt.crop_radius
+        )
+
+    @property
+    def world_from_belt(self) -> Pose:
+        """Where the belt's frame lies in the robot's world, shape (4, 4)."""
+        return np.eye(4) if self.belt.world_from_belt is None else self.belt.world_from_belt.pose()
+
+    def device(self, role: str) -> DeviceSection:
+        """Return the table of `arm`, `camera`, `belt` or `sorter`."""
+        section: DeviceSection = getattr(self, role)
+        return section
+
+    def options_of(self, role: str) -> Options:
+        """Return the options of a device's back-end: those for all its devices, and the device's own."""
+        section = self.device(role)
+        return self.backends.get(section.backend, {}) | section.options
+
+    def path(self, name: str) -> Path:
+        """Return a path that the file names; a relative one counts from the file's folder."""
+        return self._folder / name
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        given = tomllib.loads(path.read_text())
+    except (OSError, ValueError) as reason:
+        raise CellFileError.of(
+            "", f"cannot read {path}: {reason}; expected a cell file (TOML): see docs/cell.md"
+        ) from reason
+    if given.get("version") != VERSION:
+        found = given.get("version", "missing")
+        raise CellFileError.of("version", f"is {found} in {path}, expected {VERSION}: write version = 1")
+    return given

@@ -1,0 +1,73 @@
+"""Devices that are not there: a cell file can be tried without any hardware.
+
+Arm, belt and sorter note what they are told; the camera shows a level belt with nothing on it.
+"""
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from beltsort.cell.description import CellDescription
+from beltsort.cell.protocols import Health, Scan
+from beltsort.cell.registry import Backend, backend_of
+from beltsort.cell.simulated.sensor import Camera
+from beltsort.cell.wrappers.dry_run import DryRun
+from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedSorter
+from beltsort.geometry import Pose, look_at
+
+log = logging.getLogger(__name__)
+
+PINHOLE = Camera(width=160, height=120, focal=142.5)
+OVERHEAD = look_at(np.array([0.0, 0.0, 0.7]), np.zeros(3))
+
+
+@dataclass(frozen=True)
+class NoOptions:
+    """A dry run has no options."""
+
+
+class Absent:
+    """A device that is always well."""
+
+    def health(self) -> Health:
+        """Say that all is well."""
+        return Health(ready=True, boot_id="dry-run")
+
+    def stop(self) -> None:
+        """Do nothing: nothing moves."""
+
+
+class EmptyBeltCamera(Absent):
+    """Sees a level belt with nothing on it.
+
+    Parameters
+    ----------
+    world_from_camera
+        Where it stands, whatever the arm does, shape (4, 4).
+    """
+
+    def __init__(self, world_from_camera: Pose) -> None:
+        self._pose = world_from_camera
+
+    def scan(self, *, not_before: float, **_timeout: float) -> Scan:
+        """Return a scan of the belt's plane."""
+        rays = PINHOLE.deproject(np.ones((PINHOLE.height, PINHOLE.width))) @ self._pose[:3, :3].T
+        with np.errstate(divide="ignore"):
+            depth = -self._pose[2, 3] / rays[..., 2]
+        depth[(depth <= 0.0) | (depth > 5.0)] = np.nan
+        return Scan(PINHOLE.deproject(depth), self._pose, stamp=not_before)
+
+
+def _camera(_options: NoOptions, cell: CellDescription) -> EmptyBeltCamera:
+    pose = cell.viewpoints[0].pose()
+    return EmptyBeltCamera(OVERHEAD if pose is None else pose)
+
+
+def _mover(kind: Callable[[Absent, DryRun], object]) -> Backend:
+    return backend_of(NoOptions, lambda _options, _cell: kind(Absent(), DryRun(log.info)), harmless=True)
+
+
+ARM, BELT, SORTER = _mover(WrappedArm), _mover(WrappedBelt), _mover(WrappedSorter)
+CAMERA = backend_of(NoOptions, _camera, harmless=True)

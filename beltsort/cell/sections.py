@@ -1,0 +1,252 @@
+"""The tables of a cell file. Lengths are metres, times seconds, joint angles radians, all else degrees."""
+
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, FiniteFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+
+from beltsort.cell.commands import TIMEOUT
+from beltsort.cell.frames import from_matrix, from_quaternion
+from beltsort.cell.validation import Section
+from beltsort.cell.wrappers.fault_kinds import Fault
+from beltsort.cell.wrappers.faults import FaultPlan
+from beltsort.geometry import Pose, look_at, on_sphere
+
+Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+Quaternion = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+Matrix = tuple[Quaternion, Quaternion, Quaternion, Quaternion]
+DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
+
+Options = dict[str, object]
+Seconds = Annotated[PositiveFloat, Field(le=3600.0)]
+Probability = Annotated[FiniteFloat, Field(ge=0.0, le=1.0)]
+
+
+class Transform(Section):
+    """A frame in another one: `matrix`, or `position` and `quaternion`."""
+
+    matrix: Matrix | None = None
+    """Four rows of four numbers."""
+    position: Vector | None = None
+    """x, y, z."""
+    quaternion: Quaternion | None = None
+    """x, y, z, w, of length 1."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        _one_of(self, [("matrix",), ("position", "quaternion")])
+        self.pose()
+        return self
+
+    def pose(self) -> Pose:
+        """Return it as a rigid transform, shape (4, 4)."""
+        if self.position is not None and self.quaternion is not None:
+            return from_quaternion(self.position, self.quaternion)
+        return from_matrix(self.matrix or ())
+
+
+class Viewpoint(Section):
+    """Where the camera can stand: taught joint angles, the camera's pose in the belt's frame, or both.
+
+    The pose is told in one of four ways: `azimuth` and `elevation` about the belt end, `position` and
+    `look_at`, `position` and `quaternion`, or `matrix`. Cameras look along their z axis, x right, y down.
+    """
+
+    name: str
+    """What the viewpoint is called."""
+    joints: tuple[FiniteFloat, ...] | None = None
+    """Taught joint angles, radians, from the base to the flange."""
+    azimuth: FiniteFloat | None = None
+    """Degrees; 0 looks from upstream, 180 from beyond the belt end."""
+    elevation: FiniteFloat | None = None
+    """Degrees above the belt; 90 looks from straight above."""
+    radius: PositiveFloat = 0.7
+    """Distance from the belt end, metres."""
+    position: Vector | None = None
+    """x, y, z of the camera, metres."""
+    look_at: Vector | None = None
+    """x, y, z of what is in the middle of the image, metres."""
+    quaternion: Quaternion | None = None
+    """x, y, z, w of the camera's rotation, of length 1."""
+    matrix: Matrix | None = None
+    """The camera's pose, four rows of four numbers."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        ways: list[tuple[str, ...]] = [
+            ("azimuth", "elevation"), ("position", "look_at"), ("position", "quaternion"), ("matrix",),
+        ]  # fmt: skip
+        _one_of(self, ways if self.joints is None else [(), *ways], "joints, or ")
+        if self.position is not None and self.position == self.look_at:
+            raise ValueError(f"position and look_at are both {self.position}, expected two places")
+        self.pose()
+        return self
+
+    def pose(self) -> Pose | None:
+        """Return `world_from_camera`, shape (4, 4), or None where only joint angles were taught."""
+        belt_end = np.zeros(3)
+        if self.azimuth is not None and self.elevation is not None:
+            return look_at(on_sphere(self.azimuth, self.elevation, self.radius, belt_end), belt_end)
+        if self.position is not None and self.look_at is not None:
+            return look_at(np.array(self.position), np.array(self.look_at))
+        if self.position is not None and self.quaternion is not None:
+            return from_quaternion(self.position, self.quaternion)
+        return None if self.matrix is None else from_matrix(self.matrix)
+
+
+class DeviceSection(Section):
+    """A device: which back-end drives it."""
+
+    backend: str
+    """Name of a back-end."""
+    options: Options = Field(default_factory=dict)
+    """The back-end's own; added to those of [backends.NAME]."""
+
+
+class ArmSection(DeviceSection):
+    """The arm."""
+
+    joint_limits: tuple[tuple[FiniteFloat, FiniteFloat], ...] | None = None
+    """Least and greatest angle of each joint, radians."""
+
+
+class CameraSection(DeviceSection):
+    """The camera."""
+
+    flange_from_camera: Transform | None = None
+    """The hand-eye transform: the camera's pose in the frame of the arm's flange."""
+
+
+class BeltSection(DeviceSection):
+    """The belt; lengths as in `beltsort.geometry.BeltLayout`."""
+
+    world_from_belt: Transform | None = None
+    """Where the belt's frame lies in the robot's world; the same frame if missing."""
+    positions: PositiveInt = 2
+    """Number of belt positions seen at once."""
+    spacing: PositiveFloat = 0.18
+    """Distance between neighbouring positions, metres."""
+    rim_height: Annotated[FiniteFloat, Field(ge=0.0)] = 0.05
+    """Height of a cup's rim above the belt, metres."""
+    rim_radius: PositiveFloat = 0.04
+    """Radius of a cup's rim, metres."""
+    crop_height: PositiveFloat = 0.25
+    """Upper end of the cylinder in which an object is sought, metres above the belt."""
+    crop_radius: PositiveFloat = 0.085
+    """Radius of that cylinder, metres."""
+
+    @model_validator(mode="after")
+    def _room_above_the_rim(self) -> Self:
+        if self.crop_height <= self.rim_height:
+            raise ValueError(
+                f"crop_height is {self.crop_height} and rim_height {self.rim_height}, expected room for an "
+                "object between them: measure both from the belt's surface"
+            )
+        return self
+
+
+class Timeouts(Section):
+    """How long each kind of command may take."""
+
+    move: Seconds = TIMEOUT
+    """Seconds for a move of the arm."""
+    scan: Seconds = TIMEOUT
+    """Seconds for a scan."""
+    sort: Seconds = TIMEOUT
+    """Seconds for putting an object into its bin."""
+    advance: Seconds = TIMEOUT
+    """Seconds for an advance of the belt."""
+
+
+class Planner(Section):
+    """The planner's budget, `trials` or `seconds` (300 trials if neither), and its scenarios."""
+
+    trials: PositiveInt | None = None
+    """Trials per plan: reproducible."""
+    seconds: PositiveFloat | None = None
+    """Seconds per plan."""
+    scenarios: PositiveInt = 500
+    """Number of scenarios."""
+    seed: NonNegativeInt = 0
+    """Of the scenarios."""
+
+    @model_validator(mode="after")
+    def _one_budget(self) -> Self:
+        if self.trials is not None and self.seconds is not None:
+            raise ValueError(f"trials is {self.trials} and seconds is {self.seconds}, expected one of them")
+        return self
+
+    def settings(self) -> dict[str, Any]:
+        """Return what `beltsort.Despot` needs to know besides the model."""
+        budget = (
+            {"trials": self.trials or DEFAULT_TRIALS} if self.seconds is None else {"seconds": self.seconds}
+        )
+        return {"scenarios": self.scenarios, "seed": self.seed, **budget}
+
+
+class Prepare(Section):
+    """Training and tables of a simulated cell, made once and kept in the user's cache folder."""
+
+    training_objects: PositiveInt = 40
+    """Objects per class, viewpoint and position that the classifier is trained on."""
+    table_objects: PositiveInt = 100
+    """Independent objects per row of the observation tables."""
+
+
+class CheckLimits(Section):
+    """What `beltsort check` tolerates."""
+
+    belt_angle: PositiveFloat = 1.0
+    """Most degrees between the seen belt and where it should be."""
+    belt_height: PositiveFloat = 10.0
+    """Most millimetres between the seen belt and where it should be, at the belt end."""
+    belt_points: PositiveInt = 1000
+    """Fewest points of a scan that lie on the belt."""
+    crop_inside: Annotated[PositiveFloat, Field(le=1.0)] = 1.0
+    """Least share of a position's crop cylinder that lies inside the image."""
+    crop_points: PositiveInt = 100
+    """Fewest points that a scan has in a position's crop cylinder."""
+
+
+class Scheduled(Section):
+    """A fault of the n-th call of a command."""
+
+    command: Literal["move_to", "advance_to", "sort", "scan"]
+    """The command that fails."""
+    number: PositiveInt
+    """Which of its calls, counted from 1."""
+    kind: Fault
+    """The kind of fault."""
+
+    @model_validator(mode="after")
+    def _can_befall(self) -> Self:
+        if self.command not in self.kind.befalls:
+            raise ValueError(
+                f"has kind {self.kind.value} for command {self.command}, expected one of "
+                f"{', '.join(self.kind.befalls)}: a fault of this kind befalls no other"
+            )
+        return self
+
+
+class FaultSection(Section):
+    """Faults that are injected on purpose, for soaks."""
+
+    seed: NonNegativeInt = 0
+    """Of the draws."""
+    rates: dict[Fault, Probability] = Field(default_factory=dict)
+    """Probability per call, by kind of fault."""
+    schedule: tuple[Scheduled, ...] = ()
+    """Faults of given calls."""
+
+    def plan(self) -> FaultPlan:
+        """Return which calls fail."""
+        return FaultPlan(self.seed, self.rates, {(s.command, s.number): s.kind for s in self.schedule})
+
+
+def _one_of(section: Section, ways: list[tuple[str, ...]], besides: str = "") -> None:
+    """Refuse a section that does not use exactly one of several ways to say a thing, and that in full."""
+    known = sorted({key for way in ways for key in way})
+    given = {key for key in known if getattr(section, key) is not None}
+    if given not in map(set, ways):
+        choices = ", or ".join(" and ".join(way) for way in ways if way)
+        raise ValueError(f"has {' and '.join(sorted(given)) or 'no pose'}, expected {besides}{choices}")

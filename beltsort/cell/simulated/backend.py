@@ -1,0 +1,134 @@
+"""The simulated cell as a back-end of all four devices."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from pydantic import NonNegativeInt
+
+from beltsort.cell.description import CellDescription
+from beltsort.cell.problems import CellFileError
+from beltsort.cell.registry import ROLES, backend_of
+from beltsort.cell.sections import Viewpoint
+from beltsort.cell.simulated.config import CellConfig
+from beltsort.cell.simulated.randomness import generator
+from beltsort.cell.validation import validated
+from beltsort.geometry import SphereViewpoint
+from beltsort.text import nearest_of
+
+if TYPE_CHECKING:
+    from beltsort.cell.simulated.cell import SimulatedCell
+
+NAME = "simulated"
+EMPTY_CUP = "-"
+LABEL_STREAM = 2  # keeps the draws of true labels apart from those of objects and scans
+
+
+@dataclass(frozen=True)
+class SimulatedOptions:
+    """Options of the simulated cell.
+
+    Attributes
+    ----------
+    true_labels
+        The class of each object, `-` for an empty cup; behind the last one all cups are empty.
+    draw_from
+        If no `true_labels` are given: the classes from which as many objects as the run works through are
+        drawn, uniformly; all classes if none are named.
+    seed
+        Of the draw, of the objects' shapes and poses, and of the noise.
+    meshes
+        Mesh files by class, in place of the built-in shapes; relative paths count from the cell file.
+    """
+
+    true_labels: tuple[str, ...] = ()
+    draw_from: tuple[str, ...] = ()
+    seed: NonNegativeInt = 0
+    meshes: Mapping[str, str] = field(default_factory=dict)
+
+
+def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
+    """Return the simulated cell that a cell file describes.
+
+    Raises
+    ------
+    CellFileError
+        If the file describes what cannot be simulated.
+    """
+    from beltsort.cell.simulated.cell import SimulatedCell
+
+    return SimulatedCell(true_labels(options, cell), config_of(cell, options), seed=options.seed)
+
+
+def trainable_config(cell: CellDescription) -> CellConfig:
+    """Return what a simulated cell is set to, on which a classifier can be trained.
+
+    Raises
+    ------
+    CellFileError
+        If some device is not simulated.
+    """
+    others = [role for role in ROLES if cell.device(role).backend != NAME]
+    if others:
+        raise CellFileError.of(
+            "prepare",
+            f"is given, but {', '.join(others)} is not {NAME}; real cells are trained on scans of their "
+            "own: name model and classifier",
+        )
+    return config_of(cell, validated(SimulatedOptions, cell.options_of("arm")))
+
+
+def config_of(cell: CellDescription, options: SimulatedOptions) -> CellConfig:
+    """Return what the simulated cell is set to.
+
+    Raises
+    ------
+    CellFileError
+        If a viewpoint is not given by azimuth and elevation, or the sorter's bins are numbered otherwise than
+        the classes.
+    """
+    if cell.bin_numbers[: len(cell.classes)] != tuple(range(len(cell.classes))):
+        raise CellFileError.of(
+            "", f"bins are {cell.bins}, expected the classes' own for a simulated sorter: leave them out"
+        )
+    return CellConfig(
+        classes=cell.classes,
+        viewpoints=tuple(_on_sphere(viewpoint) for viewpoint in cell.viewpoints),
+        layout=cell.layout,
+        meshes={name: str(cell.path(file)) for name, file in options.meshes.items()},
+        reject_bin=cell.reject_bin,
+    )
+
+
+def _on_sphere(viewpoint: Viewpoint) -> SphereViewpoint:
+    if viewpoint.azimuth is None or viewpoint.elevation is None:
+        raise CellFileError.of(
+            "",
+            f"viewpoint {viewpoint.name} has no azimuth and elevation, expected both in a simulated cell: "
+            "place it on the sphere about the belt end",
+        )
+    return SphereViewpoint(viewpoint.name, viewpoint.azimuth, viewpoint.elevation, viewpoint.radius)
+
+
+def true_labels(options: SimulatedOptions, cell: CellDescription) -> list[int | None]:
+    """Return the class index of each object of the run, None for an empty cup.
+
+    Raises
+    ------
+    CellFileError
+        If a name is no class.
+    """
+    for key, known in (("true_labels", [*cell.classes, EMPTY_CUP]), ("draw_from", list(cell.classes))):
+        for number, name in enumerate(getattr(options, key)):
+            if name not in known:
+                raise CellFileError.of(f"{key}[{number}]", f"is {name!r}; {nearest_of(name, known)}")
+    if options.true_labels:
+        behind = [EMPTY_CUP] * (cell.objects - len(options.true_labels))
+        named = [*options.true_labels, *behind]
+        return [None if name == EMPTY_CUP else cell.classes.index(name) for name in named]
+    choice = options.draw_from or cell.classes
+    drawn = generator(options.seed, LABEL_STREAM).integers(len(choice), size=cell.objects)
+    return [cell.classes.index(choice[i]) for i in drawn]
+
+
+BACKEND = backend_of(SimulatedOptions, make, shared=True, harmless=True)

@@ -1,0 +1,20 @@
+"""What is done when work with a cell does not end well."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from beltsort.cell.protocols import Cell
+
+
+@contextmanager
+def stopping(cell: Cell) -> Iterator[None]:
+    """Stop every device of a cell if the block raises, be it an interrupt."""
+    try:
+        yield
+    except BaseException as failure:
+        for device in (cell.arm, cell.belt, cell.sorter, cell.camera):
+            try:
+                device.stop()
+            except Exception as reason:  # whatever it is, the others must be stopped all the same
+                failure.add_note(f"a device could not be stopped: {reason}")
+        raise

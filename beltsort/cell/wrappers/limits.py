@@ -1,0 +1,51 @@
+"""Commands that make no sense never reach a device."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from beltsort.cell.commands import CommandError, Outcome
+from beltsort.cell.wrappers.wrapped import Act, Call
+
+
+class Limits:
+    """Refuses unknown viewpoints, labels without a bin, and belts that run backwards.
+
+    Parameters
+    ----------
+    viewpoints
+        Names of the viewpoints.
+    bins
+        Names of the labels that have a bin.
+    """
+
+    def __init__(self, viewpoints: Sequence[str], bins: Sequence[str]) -> None:
+        self._viewpoints, self._bins = viewpoints, bins
+        self._index = 0
+
+    def __call__(self, call: Call, act: Act) -> Any:
+        """Pass the call on if it makes sense."""
+        match call.name, call.target:
+            case "move_to", int(viewpoint):
+                _check_index("viewpoint", viewpoint, self._viewpoints)
+            case "sort", int(label):
+                _check_index("label", label, self._bins)
+            case "advance_to", int(index):
+                self._check_forward(index)
+        return act(call)
+
+    def _check_forward(self, index: int) -> None:
+        if index < self._index:
+            raise CommandError(
+                f"index is {index}, expected at least {self._index}, the last one brought to the belt end; "
+                "the belt moves forward only",
+                Outcome.NOT_DONE,
+            )
+        self._index = index
+
+
+def _check_index(what: str, index: int, names: Sequence[str]) -> None:
+    if not 0 <= index < len(names):
+        raise CommandError(
+            f"{what} is {index}, expected an index from 0 to {len(names) - 1} ({', '.join(names)})",
+            Outcome.NOT_DONE,
+        )

@@ -1,0 +1,114 @@
+"""`beltsort check`: whether a cell is fit to sort."""
+
+from argparse import Namespace
+from typing import TYPE_CHECKING, Any
+
+from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.cells import add_cell, tell_pretence
+from beltsort.cli.output import print_json, print_table
+
+if TYPE_CHECKING:
+    from beltsort.cell.check import CellCheck, View
+    from beltsort.cell.composed import ComposedCell
+    from beltsort.cell.wrappers.recorder import Recorded
+
+EXCEEDED = 1
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "check",
+        help="visit every viewpoint of a cell and compare what is seen with its cell file",
+        description="Ask every device for its health, visit every viewpoint, take a scan at each, and tell "
+        "where the belt lies, what is seen of every position, and how long each act takes. Exit code 1 if a "
+        "limit of the file's table [check] is exceeded.",
+    )
+    add_cell(parser)
+    add_json(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> int:
+    """Run the command."""
+    from rich.console import Console
+
+    from beltsort.cell.check import check_cell
+    from beltsort.cell.composed import compose
+    from beltsort.cell.description import CellDescription
+
+    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    description = CellDescription.load(arguments.cell)
+    calls: list[Recorded] = []
+    cell = compose(
+        description,
+        live=arguments.live,
+        say=lambda line: console.print(line, markup=False),
+        record=calls.append,
+    )
+    tell_pretence(console, description, cell)
+    found = check_cell(cell, description.check)
+    if arguments.json:
+        print_json(as_json(cell, found, calls) | {"limits": description.check.model_dump()})
+    else:
+        show(found, calls)
+        limits = ", ".join(f"{name} {limit:g}" for name, limit in description.check)
+        print(f"limits (the file's [check]): {limits}")
+    return EXCEEDED if found.exceeded else 0
+
+
+def as_json(cell: "ComposedCell", found: "CellCheck", calls: "list[Recorded]") -> dict[str, Any]:
+    """Return what was found as plain data."""
+    from dataclasses import asdict
+
+    return {
+        "dry_run": list(cell.rehearsed),
+        "health": {role: asdict(health) for role, health in found.health.items()},
+        "viewpoints": [asdict(view) for view in found.views],
+        "seconds": [
+            {"act": name, "calls": n, "mean": mean, "most": most} for name, n, mean, most in times(calls)
+        ],
+        "exceeded": found.exceeded,
+    }
+
+
+def show(found: "CellCheck", calls: "list[Recorded]") -> None:
+    """Print what was found."""
+    print_table([("device", "ready", "controller"), *health_rows(found)])
+    if found.views:
+        print()
+        header = ("viewpoint", "belt angle", "belt height", "belt points", "position", "in image", "points")
+        print_table([header, *(row for view in found.views for row in view_rows(view))])
+    print()
+    rows = [(name, str(n), f"{mean:.3f} s", f"{most:.3f} s") for name, n, mean, most in times(calls)]
+    print_table([("act", "calls", "mean", "most"), *rows])
+    print()
+    for line in found.exceeded or ["everything is within the limits"]:
+        print(line)
+
+
+def health_rows(found: "CellCheck") -> list[tuple[str, ...]]:
+    """Return a row for each device."""
+    return [(role, "yes" if health.ready else "no", health.boot_id) for role, health in found.health.items()]
+
+
+def view_rows(view: "View") -> list[tuple[str, ...]]:
+    """Return a row for each position seen from a viewpoint."""
+    belt = (f"{view.belt.angle:.2f} deg", f"{view.belt.height:+.1f} mm", str(view.belt.points))
+    return [
+        (
+            *((view.viewpoint, *belt) if position == 0 else ("", "", "", "")),
+            str(position + 1),
+            "?" if crop.inside is None else f"{crop.inside:.0%}",
+            str(crop.points),
+        )
+        for position, crop in enumerate(view.crops)
+    ]
+
+
+def times(calls: "list[Recorded]") -> list[tuple[str, int, float, float]]:
+    """Return name, number, mean and greatest duration of the calls, by name in order of appearance."""
+    seconds: dict[str, list[float]] = {}
+    for recorded in calls:
+        seconds.setdefault(recorded.call.name, []).append(recorded.seconds)
+    return [(name, len(each), sum(each) / len(each), max(each)) for name, each in seconds.items()]

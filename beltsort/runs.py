@@ -1,0 +1,95 @@
+"""A run: its folder, and what is kept of it."""
+
+import json
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from beltsort import SortingModel
+from beltsort.cell.protocols import Cell
+from beltsort.cell.wrappers.recorder import Recorded
+from beltsort.commander import Operator, nobody
+from beltsort.errors import JournalError
+from beltsort.journal import Journal, Listener
+from beltsort.policy import Policy
+from beltsort.report import Decision, SortingReport
+from beltsort.rules import Rules
+from beltsort.sorter import Perceive, sort_objects
+
+JOURNAL, MODEL, CALLS = "journal.sqlite", "model.json", "calls.jsonl"
+
+
+def make_folder(folder: Path) -> Path:
+    """Make a folder for runs, or for one run, and return it.
+
+    Raises
+    ------
+    JournalError
+        If it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as reason:
+        raise JournalError(
+            f"the run folder {folder} cannot be made: {reason}; work in a folder that can be written"
+        ) from reason
+    return folder
+
+
+def run_name() -> str:
+    """Return a name for a run of now."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
+
+
+def sort_into(
+    folder: Path,
+    cell: Cell,
+    perceive: Perceive,
+    policy: Policy,
+    model: SortingModel,
+    *,
+    objects: int,
+    rules: Rules | None = None,
+    operator: Operator = nobody,
+    listener: Listener | None = None,
+) -> SortingReport:
+    """Sort the next objects of the belt; model and journal are kept in an existing folder.
+
+    Parameters, returns and raises as `beltsort.sorter.sort_objects`; `listener` is called with every entry of
+    the journal.
+    """
+    model.save(folder / MODEL)
+    with Journal(folder / JOURNAL, listener) as journal:
+        return sort_objects(
+            cell, perceive, policy, model, journal, objects=objects, rules=rules, operator=operator
+        )
+
+
+class CallLog:
+    """Adds calls of devices, a line of JSON each, to a file in the run's folder.
+
+    Attributes
+    ----------
+    folder
+        Must exist when the first call is told.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __call__(self, recorded: Recorded) -> None:
+        """Add one call."""
+        with (self.folder / CALLS).open("a") as file:
+            print(json.dumps(asdict(recorded)), file=file)
+
+
+def plain_decision(decision: Decision, classes: list[str]) -> dict[str, Any]:
+    """Return a decision as plain data."""
+    return {
+        "object": decision.object,
+        "decided": None if decision.label is None else classes[decision.label],
+        "looks": decision.looks,
+        "belief": decision.belief,
+        "forced": decision.forced,
+    }

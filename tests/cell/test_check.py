@@ -1,0 +1,84 @@
+"""The check of a cell against its limits."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from beltsort.cell import CommandError, Outcome
+from beltsort.cell.check import check_cell
+from beltsort.cell.sections import CheckLimits
+from beltsort.cell.wrappers.recorder import Recorded
+from tests.cell.cell_files import composed, described
+
+FAULTS = "[faults]\nschedule = [{{command = {command}, number = {number}, kind = {kind}}}]\n[planner]"
+
+
+def fault(command: str, number: int, kind: str) -> tuple[str, str]:
+    return "[planner]", FAULTS.format(command=f'"{command}"', number=number, kind=f'"{kind}"')
+
+
+def test_the_example_is_within_its_limits(tmp_path: Path) -> None:
+    calls: list[Recorded] = []
+    found = check_cell(composed(tmp_path, record=calls.append), described(tmp_path).check)
+    assert found.exceeded == []
+    assert [view.viewpoint for view in found.views] == ["p1", "p2", "p3"]
+    assert list(found.health) == ["arm", "camera", "belt", "sorter"]
+    names = [recorded.call.name for recorded in calls]
+    assert (names.count("move_to"), names.count("scan"), names.count("sort")) == (3, 3, 0)
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [
+        ({"belt_angle": 0.01}, r"p1: the belt is tilted by .* at most 0.01 \(check.belt_angle\)"),
+        ({"belt_height": 0.01}, r"p1: the belt lies at -?.* mm, expected at most 0.01 \(check.belt_height\)"),
+        ({"belt_points": 10**6}, r"p1: \d+ points lie on the belt, expected at least 1000000 \(check.belt_p"),
+        ({"crop_inside": 1.0}, r"p2, position 2: \d+% of the crop is inside .* at least 100% \(check.crop_i"),
+        ({"crop_points": 10**6}, r"p1, position 1: \d+ points are in the crop, .* \(check.crop_points\)"),
+    ],
+)
+def test_each_limit_is_kept(tmp_path: Path, limits: dict[str, Any], said: str) -> None:
+    lenient = CheckLimits(belt_angle=5.0, belt_height=50.0, belt_points=1, crop_inside=0.1, crop_points=1)
+    found = check_cell(composed(tmp_path), lenient.model_copy(update=limits))
+    assert found.exceeded
+    assert any(re.match(said, line) for line in found.exceeded), found.exceeded
+
+
+def test_the_first_failure_ends_the_visits(tmp_path: Path) -> None:
+    cell = composed(tmp_path, fault("move_to", 2, "not_done"))
+    found = check_cell(cell, described(tmp_path).check)
+    assert [view.viewpoint for view in found.views] == ["p1"]
+    (failure,) = found.exceeded
+    assert "was refused" in failure
+
+
+def test_bad_scans_are_beyond_the_limits(tmp_path: Path) -> None:
+    for kind in ("empty_scan", "nan_scan"):
+        found = check_cell(composed(tmp_path, fault("scan", 2, kind)), described(tmp_path).check)
+        assert len(found.views) == 3
+        assert [line.split(":")[0] for line in found.exceeded] == ["p2", "p2, position 1", "p2, position 2"]
+    truncated = check_cell(composed(tmp_path, fault("scan", 3, "truncated_scan")), described(tmp_path).check)
+    assert any("inside the image" in line for line in truncated.exceeded)
+
+
+def test_nothing_moves_while_a_device_is_not_ready(tmp_path: Path) -> None:
+    calls: list[Recorded] = []
+    cell = composed(tmp_path, fault("sort", 1, "emergency_stop"), record=calls.append)
+    with pytest.raises(CommandError) as error:
+        cell.sorter.sort(0, "sort-1")
+    assert error.value.outcome is Outcome.NOT_DONE
+    calls.clear()
+    found = check_cell(cell, described(tmp_path).check)
+    assert found.exceeded == ["arm: is not ready: emergency stop (a fault on purpose: see [faults])"]
+    assert {recorded.call.name for recorded in calls} == {"health"}
+
+
+def test_checks_do_not_repeat_each_others_commands(tmp_path: Path) -> None:
+    calls: list[Recorded] = []
+    cell = composed(tmp_path, record=calls.append)
+    for _ in range(2):
+        check_cell(cell, described(tmp_path).check)
+    ids = [recorded.call.command_id for recorded in calls if recorded.call.name == "move_to"]
+    assert len(set(ids)) == 6

@@ -1,0 +1,226 @@
+"""`beltsort run` and `beltsort check`, with a classifier of a few objects and a model made up for it."""
+
+import dataclasses
+import json
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import beltsort
+from beltsort.cell.registry import BUILT_IN
+from beltsort.cell.simulated import CellConfig
+from beltsort.cell.simulated.backend import BACKEND
+from beltsort.cli import main
+from beltsort.journal import read_journal
+from beltsort.perception import NearestNeighbour, PerceptionConfig
+from beltsort.tables.collect import collect_training
+from beltsort.tables.counts import Look, count
+from beltsort.tables.prepare import Prepared
+from tests.cell.cell_files import changed
+from tests.cli.running import command
+
+REAL = dataclasses.replace(BACKEND, harmless=False)
+"""The simulated cell, taken for a real one."""
+
+PREPARE = "[prepare]\ntraining_objects = 40\ntable_objects = 100"
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a classifier and a model."""
+    folder = tmp_path_factory.mktemp("trained")
+    config = CellConfig()
+    collect_training(config, objects=1, seed=3, workers=1).save(folder / "classifier.npz")
+    p_obs = np.tile(0.1 + 0.6 * np.eye(4), (2, 3, 1, 1))
+    beltsort.SortingModel(config.classes, ["p1", "p2", "p3"], p_obs).save(folder / "model.json")
+    return folder
+
+
+@pytest.fixture
+def folder(trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the working folder, with classifier and model in a folder of the cell."""
+    shutil.copytree(trained, tmp_path / "cell")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def cell_file(folder: Path, *changes: tuple[str, str]) -> str:
+    files = 'model = "model.json"\nclassifier = "classifier.npz"'
+    fewer_trials = ("trials = 300", "trials = 20")
+    return str(changed(folder / "cell", (PREPARE, files), fewer_trials, *changes))
+
+
+def result_of(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    result = json.loads(capsys.readouterr().out)
+    assert isinstance(result, dict)
+    return result
+
+
+def test_a_run_sorts_every_object_and_keeps_its_record(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", cell_file(folder), "--objects", "2"]) == 0
+    said = capsys.readouterr().out
+    assert "sorting 2 objects: elongated, livarno, mushroom, standard" in said
+    assert "2 sorted in " in said
+    (run,) = (folder / "runs").iterdir()
+    assert not run.name.endswith("dry-run")
+    entries = read_journal(run / "journal.sqlite")
+    assert entries[-1].data == {"reason": "done"}
+    calls = [json.loads(line) for line in (run / "calls.jsonl").read_text().splitlines()]
+    assert [call["device"] for call in calls[:4]] == ["arm", "camera", "belt", "sorter"], "asked for health"
+    done = {e.data["command_id"] for e in entries if e.kind == "outcome"}
+    assert {call["call"]["command_id"] for call in calls if call["call"]["command_id"]} == done
+    assert beltsort.SortingModel.load(run / "model.json").positions == 2
+
+
+def test_json_is_one_object_and_the_same_seed_gives_the_same_run(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = cell_file(folder, ("\nobjects = 10\n", "\nobjects = 3\n"))
+    results = []
+    for _ in range(2):
+        assert main(["run", path, "--json"]) == 0
+        results.append(result_of(capsys))
+    first, again = results
+    assert [d["object"] for d in first["decisions"]] == [0, 1, 2]
+    assert first["decisions"] == again["decisions"]
+    assert first["folder"] != again["folder"]
+    assert first["dry_run"] == []
+
+
+def test_true_labels_may_be_given_and_cups_empty(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    labels = ('draw_from = ["elongated", "livarno"]', 'true_labels = ["standard", "-"]')
+    assert main(["run", cell_file(folder, labels), "--objects", "3", "--json"]) == 0
+    result = result_of(capsys)
+    assert [d["object"] for d in result["decisions"]] == [0]
+    assert result["skipped"] == [1, 2], "behind the last object all cups are empty"
+
+
+def test_without_live_nothing_real_moves(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = dict.fromkeys(BUILT_IN["simulated"], "tests.cli.test_run:REAL")
+    monkeypatch.setitem(BUILT_IN, "real", real)
+    path = cell_file(folder, ('"simulated"', '"real"'), ("[backends.simulated]", "[backends.real]"))
+    assert main(["run", path, "--objects", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "dry run: arm, belt, sorter move nothing" in said
+    assert re.search(r"dry run: move_to\(0\), \w{8}-move-1", said)
+    assert "dry run: advance_to(1)" in said
+    (run,) = (folder / "runs").iterdir()
+    assert run.name.endswith("-dry-run")
+    assert main(["check", path, "--live", "--json"]) == 0
+    assert result_of(capsys)["dry_run"] == []
+
+
+def test_a_failing_command_ends_the_run_and_stops_the_devices(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    times = ", ".join(f'{{command = "sort", number = {n}, kind = "full_bin"}}' for n in (1, 2, 3))
+    fault = f"[faults]\nschedule = [{times}]\n[planner]"
+    assert main(["run", cell_file(folder, ("[planner]", fault)), "--objects", "2"]) == 2
+    said = capsys.readouterr()
+    assert "held at" in said.err
+    assert "it failed 3 times" in said.err
+    assert "found the bin full" in said.out
+    assert "faults on purpose are on" in said.out
+    (run,) = (folder / "runs").iterdir()
+    assert "HeldError" in read_journal(run / "journal.sqlite")[-1].data["reason"]
+    calls = [json.loads(line) for line in (run / "calls.jsonl").read_text().splitlines()]
+    assert [call["call"]["name"] for call in calls[-5:]] == ["sort", *["stop"] * 4]
+    assert "full" in calls[-5]["error"]
+
+
+def test_a_classifier_of_other_classes_is_refused_before_anything_moves(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    order = ('"mushroom", "standard"', '"standard", "mushroom"')
+    assert main(["run", cell_file(folder, order)]) == 2
+    said = capsys.readouterr().err
+    assert "classifier: knows the classes ['elongated', 'livarno', 'mushroom', 'standard'], expected" in said
+    assert list((folder / "runs").iterdir()) == []
+
+
+def test_files_that_are_missing_are_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "cell" / "classifier.npz").unlink()
+    assert main(["run", cell_file(folder)]) == 2
+    assert "cell/classifier.npz" in capsys.readouterr().err
+
+
+def test_every_problem_of_a_file_is_one_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = cell_file(folder, ("spacing", "spacng"), ("trials = 20", "trials = 0"))
+    for name in ("run", "check"):
+        assert main([name, path]) == 2
+        first, *problems = capsys.readouterr().err.splitlines()
+        assert first.endswith("cell.toml is wrong:")
+        assert [problem.split(":")[0] for problem in problems] == ["belt.spacng", "planner.trials"]
+
+
+def test_a_senseless_number_of_objects_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", cell_file(folder), "--objects", "0"]) == 2
+    assert "--objects is 0, expected at least 1" in capsys.readouterr().err
+
+
+def test_a_cell_prepares_itself(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Any] = []
+
+    def prepare(config: CellConfig, perception: PerceptionConfig | None, **amounts: Any) -> Prepared:
+        asked.append((config, perception, amounts["training_objects"], amounts["table_objects"]))
+        looks = [Look(j, k, c, c) for j in range(2) for k in range(3) for c in range(4) for _ in range(20)]
+        database = NearestNeighbour.load(folder / "cell" / "classifier.npz")
+        return Prepared(database, count(looks, 2, 3, 4), 20, {}, cached=True)
+
+    monkeypatch.setattr("beltsort.cell_run.prepare", prepare)
+    path = str(changed(folder, (PREPARE, PREPARE.replace("40", "7"))))
+    assert main(["run", path, "--objects", "1", "--json"]) == 0
+    assert len(result_of(capsys)["decisions"]) == 1
+    assert asked == [(CellConfig(), None, 7, 100)], "what the demo prepares, so that they share it"
+
+
+def test_only_a_simulated_cell_prepares_itself(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(changed(folder, ('[sorter]\nbackend = "simulated"', '[sorter]\nbackend = "dry-run"')))
+    assert main(["run", path]) == 2
+    assert "prepare: is given, but sorter is not simulated" in capsys.readouterr().err
+
+
+def test_check_tells_in_words_and_exits_with_1_beyond_a_limit(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", cell_file(folder)]) == 0
+    said = capsys.readouterr().out
+    assert "everything is within the limits" in said
+    assert "limits (the file's [check]): belt_angle 2, belt_height 25" in said
+    strict = cell_file(folder, ("belt_angle = 2.0", "belt_angle = 0.01"))
+    assert main(["check", strict]) == 1
+    assert "expected at most 0.01 (check.belt_angle)" in capsys.readouterr().out
+    assert main(["check", strict, "--json"]) == 1
+    result = result_of(capsys)
+    assert result["exceeded"]
+    assert result["limits"]["belt_angle"] == 0.01
+    assert [view["viewpoint"] for view in result["viewpoints"]] == ["p1", "p2", "p3"]
+    assert {row["act"] for row in result["seconds"]} == {"health", "move_to", "scan"}
+
+
+def test_help_of_the_real_command() -> None:
+    for name in ("run", "check"):
+        assert "docs/cell.md" in command(name, "--help").stdout
+
+
+def test_a_held_run_goes_on_when_it_is_resumed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    times = ", ".join(f'{{command = "sort", number = {n}, kind = "full_bin"}}' for n in (1, 2, 3))
+    fault = f"[faults]\nschedule = [{times}]\n[planner]"
+    assert main(["run", cell_file(folder, ("[planner]", fault)), "--objects", "2"]) == 2
+    (run,) = (folder / "runs").iterdir()
+    capsys.readouterr()
+    whole = cell_file(folder)
+    assert main(["run", whole, "--resume", str(run), "--settle", "not-done", "--json"]) == 0
+    assert [decision["object"] for decision in result_of(capsys)["decisions"]] == [0, 1]
+    assert main(["run", whole, "--resume", str(folder / "none")]) == 2
+    assert "does not exist" in capsys.readouterr().err
