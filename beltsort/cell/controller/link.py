@@ -1,0 +1,93 @@
+"""One connection to a controller, and how a request crosses it."""
+
+import time
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Protocol, TypeAlias
+
+from beltsort.cell.controller.wire import Reply, Request, following, is_ahead
+from beltsort.errors import CellError
+
+ACKNOWLEDGE_POLL = 0.002
+"""Seconds between two looks for an acknowledgement."""
+
+
+class Link(Protocol):
+    """A connection. Its methods raise whatever its driver raises, and it is then never used again."""
+
+    def write(self, request: Request) -> None:
+        """Write a request, all of it at once."""
+
+    def read(self) -> Reply:
+        """Read the latest reply, all of it at once."""
+
+    def close(self) -> None:
+        """Give the connection up without waiting for the other side."""
+
+
+Connect: TypeAlias = Callable[[float], Link]
+"""Builds a new connection; its argument is how many seconds each call of the driver may take."""
+
+
+class LinkError(CellError):
+    """The controller did not answer as the protocol says."""
+
+
+class Conversation:
+    """Numbers requests and waits for their replies.
+
+    Parameters
+    ----------
+    link
+        Whose numbers are continued.
+    spoken
+        The last sequence number that this program used, if any.
+    """
+
+    def __init__(self, link: Link, spoken: int | None) -> None:
+        heard = link.read().sequence
+        self._link = link
+        self.sequence = spoken if spoken is not None and is_ahead(spoken, of=heard) else heard
+
+    def ask(self, verb: int, target: int, key: int, seconds: float) -> Reply:
+        """Write a request and return its reply.
+
+        Raises
+        ------
+        LinkError
+            If the controller acknowledges nothing within `seconds`, or somebody else's request.
+        """
+        end = time.monotonic() + seconds
+        self.sequence = following(self.sequence)
+        self._link.write(Request(self.sequence, verb, target, key))
+        while (reply := self._link.read()).sequence != self.sequence:
+            if time.monotonic() > end:
+                raise LinkError(
+                    f"the controller acknowledged request {reply.sequence}, expected {self.sequence} within "
+                    f"{seconds:g} s; see whether its program runs"
+                )
+            time.sleep(ACKNOWLEDGE_POLL)
+        if (reply.verb, reply.key) != (verb, key):
+            raise LinkError(
+                f"request {self.sequence} was answered as another one, expected verb {verb} for key {key}, "
+                f"got {reply.verb} for {reply.key}; let only one program command a controller"
+            )
+        return reply
+
+    def close(self) -> None:
+        """Give the connection up."""
+        self._link.close()
+
+
+def require(package: str, extra: str) -> None:
+    """Refuse to go on without an optional package.
+
+    Raises
+    ------
+    CellError
+        That says how to install it.
+    """
+    if find_spec(package) is None:
+        raise CellError(
+            f"{package} is not installed, expected it for this device; pip install 'beltsort[{extra}]'"
+        )
