@@ -1,11 +1,10 @@
 """One connection to a controller, and how a request crosses it."""
 
 import time
-from collections.abc import Callable
 from importlib.util import find_spec
-from typing import Protocol, TypeAlias
+from typing import NamedTuple, Protocol
 
-from beltsort.cell.controller.wire import Reply, Request, following, is_ahead
+from beltsort.cell.controller.wire import Reply, Request, Verb, following, is_ahead
 from beltsort.errors import CellError
 
 ACKNOWLEDGE_POLL = 0.002
@@ -25,12 +24,16 @@ class Link(Protocol):
         """Give the connection up without waiting for the other side."""
 
 
-Connect: TypeAlias = Callable[[float], Link]
-"""Builds a new connection; its argument is how many seconds each call of the driver may take."""
-
-
 class LinkError(CellError):
     """The controller did not answer as the protocol says."""
+
+
+class Order(NamedTuple):
+    """A request without its number."""
+
+    verb: Verb
+    target: int = 0
+    key: int = 0
 
 
 class Conversation:
@@ -49,7 +52,7 @@ class Conversation:
         self._link = link
         self.sequence = spoken if spoken is not None and is_ahead(spoken, of=heard) else heard
 
-    def ask(self, verb: int, target: int, key: int, seconds: float) -> Reply:
+    def ask(self, order: Order, seconds: float) -> Reply:
         """Write a request and return its reply.
 
         Raises
@@ -59,7 +62,7 @@ class Conversation:
         """
         end = time.monotonic() + seconds
         self.sequence = following(self.sequence)
-        self._link.write(Request(self.sequence, verb, target, key))
+        self._link.write(Request(self.sequence, *order))
         while (reply := self._link.read()).sequence != self.sequence:
             if time.monotonic() > end:
                 raise LinkError(
@@ -67,10 +70,10 @@ class Conversation:
                     f"{seconds:g} s; see whether its program runs"
                 )
             time.sleep(ACKNOWLEDGE_POLL)
-        if (reply.verb, reply.key) != (verb, key):
+        if (reply.verb, reply.key) != (order.verb, order.key):
             raise LinkError(
-                f"request {self.sequence} was answered as another one, expected verb {verb} for key {key}, "
-                f"got {reply.verb} for {reply.key}; let only one program command a controller"
+                f"request {self.sequence} was answered as verb {reply.verb} for key {reply.key}, expected "
+                f"{int(order.verb)} for {order.key}; let only one program command a controller"
             )
         return reply
 

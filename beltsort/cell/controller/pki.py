@@ -1,6 +1,7 @@
 """Keys and certificates of a client or a controller, made where they are needed."""
 
 import os
+from argparse import ArgumentParser
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -123,3 +124,11 @@ def _general_name(host: str) -> x509.GeneralName:
         return x509.IPAddress(ip_address(host))
     except ValueError:
         return x509.DNSName(host)
+
+
+if __name__ == "__main__":
+    arguments = ArgumentParser(prog="python -m beltsort.cell.controller.pki", description="Make an identity.")
+    arguments.add_argument("folder", type=Path)
+    arguments.add_argument("hosts", nargs="*", help="names and addresses of a server")
+    chosen = arguments.parse_args()
+    print(identity(chosen.folder, chosen.hosts).certificate)

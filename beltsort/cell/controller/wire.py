@@ -135,7 +135,7 @@ class Reply:
     sequence, verb, key
         Those of the request that is answered.
     phase, reason
-        What became of the command `key`, and why.
+        What became of the command `key`, and why: a `Reason`, or the controller's own number from 100 on.
     age
         Milliseconds since the command ended; 0 while it acts.
     boot
@@ -149,7 +149,7 @@ class Reply:
     emergency_stop
         Whether the emergency stop is pressed.
     fault
-        A `Reason`, a number of the controller's own from 100 on, or 0.
+        Like `reason`; 0 if there is none.
     bins
         Objects in each bin.
     """
@@ -158,7 +158,7 @@ class Reply:
     verb: int
     key: int
     phase: Phase
-    reason: Reason
+    reason: int
     age: int
     boot: int
     position: int

@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Sequence
 
-from beltsort.cell.controller.wire import MAX_BINS, Phase, Reason, Reply, Request
+from beltsort.cell.controller.wire import MAX_BINS, Phase, Reply, Request
 
 REQUEST = struct.Struct(">HHiq")
 """sequence, verb, target, key"""
@@ -54,7 +54,7 @@ def decode_reply(words: Sequence[int]) -> Reply:
         verb=verb,
         key=key,
         phase=Phase(phase),
-        reason=Reason(reason),
+        reason=reason,
         age=age,
         boot=boot,
         position=position,

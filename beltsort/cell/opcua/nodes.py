@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from beltsort.cell.controller.wire import Phase, Reason, Reply, Request
+from beltsort.cell.controller.wire import Phase, Reply, Request
 
 NAMESPACE = "urn:beltsort:controller"
 FOLDER = "Beltsort"
@@ -43,7 +43,7 @@ def decode_reply(values: list[Any]) -> Reply:
         verb=verb,
         key=key,
         phase=Phase(phase),
-        reason=Reason(reason),
+        reason=reason,
         age=age,
         boot=boot,
         position=position,
