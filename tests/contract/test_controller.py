@@ -11,7 +11,7 @@ from beltsort.cell.controller.wire import COMMANDS, NOWHERE, Phase, Reason, Repl
 MACHINE = Machine(bins=3, capacity=4, advance_seconds=1.0, sort_seconds=1.0, memory=1000)
 
 orders = st.tuples(
-    st.sampled_from(Verb), st.integers(-1, 4), st.integers(1, 6), st.floats(0.0, 2.0), st.booleans()
+    st.sampled_from(Verb), st.integers(-1, 3), st.integers(1, 4), st.floats(0.0, 2.0), st.booleans()
 )
 """Verb, target, key, seconds until it comes, whether the emergency stop is pressed and released before."""
 
@@ -103,6 +103,19 @@ def test_a_belt_stopped_on_the_way_goes_on_from_there() -> None:
     assert rig.ask(Verb.ADVANCE, 4, key=3).phase is Phase.RUNNING
     rig.time += 3.0
     assert rig.ask(Verb.LOOK).position == 4
+
+
+def test_a_command_that_was_broken_off_never_acts_again() -> None:
+    rig = Rig()
+    rig.ask(Verb.SORT, 1, key=1)
+    rig.time += 0.5
+    rig.ask(Verb.STOP)
+    again = rig.ask(Verb.SORT, 1, key=1)
+    assert (again.phase, again.reason, again.age) == (Phase.BROKEN_OFF, Reason.STOPPED, 0)
+    rig.time += 2.0
+    reply = rig.ask(Verb.RECALL, key=1)
+    assert (reply.age, sum(reply.bins)) == (2000, 0)
+    assert rig.ask(Verb.SORT, 1, key=2).phase is Phase.RUNNING
 
 
 def test_a_fault_lasts_until_somebody_has_looked() -> None:

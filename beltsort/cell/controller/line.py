@@ -55,7 +55,6 @@ class Line:
         self._answer_timeout = answer_timeout
         self._lock = Lock()
         self._conversation: Conversation | None = None
-        self._spoken: int | None = None
 
     def insist(self, order: Order, deadline: Deadline) -> Reply:
         """Send what may be sent twice; if an old connection fails, once more over a new one."""
@@ -91,7 +90,7 @@ class Line:
         end = time.monotonic() + seconds
         link = self._connect(seconds)
         try:
-            conversation = Conversation(link, self._spoken)
+            conversation = Conversation(link)
         except BaseException:
             link.close()
             raise
@@ -101,6 +100,5 @@ class Line:
 
     def _hang_up(self) -> None:
         if self._conversation is not None:
-            self._spoken = self._conversation.sequence
             self._conversation.close()
             self._conversation = None

@@ -4,7 +4,7 @@ import time
 from importlib.util import find_spec
 from typing import NamedTuple, Protocol
 
-from beltsort.cell.controller.wire import Reply, Request, Verb, following, is_ahead
+from beltsort.cell.controller.wire import Reply, Request, Verb, following
 from beltsort.errors import CellError
 
 ACKNOWLEDGE_POLL = 0.002
@@ -39,18 +39,18 @@ class Order(NamedTuple):
 class Conversation:
     """Numbers requests and waits for their replies.
 
+    Going on from the controller's last number makes it ignore what an earlier connection may still deliver,
+    as soon as it has acknowledged anything here.
+
     Parameters
     ----------
     link
-        Whose numbers are continued.
-    spoken
-        The last sequence number that this program used, if any.
+        Over which they go.
     """
 
-    def __init__(self, link: Link, spoken: int | None) -> None:
-        heard = link.read().sequence
+    def __init__(self, link: Link) -> None:
         self._link = link
-        self.sequence = spoken if spoken is not None and is_ahead(spoken, of=heard) else heard
+        self._sequence = link.read().sequence
 
     def ask(self, order: Order, seconds: float) -> Reply:
         """Write a request and return its reply.
@@ -61,18 +61,18 @@ class Conversation:
             If the controller acknowledges nothing within `seconds`, or somebody else's request.
         """
         end = time.monotonic() + seconds
-        self.sequence = following(self.sequence)
-        self._link.write(Request(self.sequence, *order))
-        while (reply := self._link.read()).sequence != self.sequence:
+        self._sequence = following(self._sequence)
+        self._link.write(Request(self._sequence, *order))
+        while (reply := self._link.read()).sequence != self._sequence:
             if time.monotonic() > end:
                 raise LinkError(
-                    f"the controller acknowledged request {reply.sequence}, expected {self.sequence} within "
+                    f"the controller acknowledged request {reply.sequence}, expected {self._sequence} within "
                     f"{seconds:g} s; see whether its program runs"
                 )
             time.sleep(ACKNOWLEDGE_POLL)
         if (reply.verb, reply.key) != (order.verb, order.key):
             raise LinkError(
-                f"request {self.sequence} was answered as verb {reply.verb} for key {reply.key}, expected "
+                f"request {self._sequence} was answered as verb {reply.verb} for key {reply.key}, expected "
                 f"{int(order.verb)} for {order.key}; let only one program command a controller"
             )
         return reply
