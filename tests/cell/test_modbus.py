@@ -71,6 +71,29 @@ def test_the_registers_are_those_of_the_specification() -> None:
     ]
 
 
+def test_the_reply_is_where_the_specification_says() -> None:
+    reply = Reply(
+        sequence=1,
+        verb=2,
+        key=3,
+        phase=Phase.BROKEN_OFF,
+        reason=5,
+        age=6,
+        boot=7,
+        position=8,
+        remembered=9,
+        forgotten=10,
+        ready=True,
+        emergency_stop=False,
+        fault=12,
+        bins=(13, 14),
+    )
+    words = dict(enumerate(encode_reply(reply), REPLY_AT))
+    last_words = {100: 1, 101: 2, 105: 3, 106: 4, 107: 5, 109: 6, 111: 7, 113: 8, 114: 9, 116: 10, 117: 1}
+    bins = {118: 12, 119: 2, 120: 13, 121: 14}
+    assert {address: word for address, word in words.items() if word} == last_words | bins
+
+
 @settings(max_examples=5, derandomize=True, deadline=None)
 @given(replies, st.integers(2**32, 2**40))
 def test_numbers_too_large_become_the_largest(reply: Reply, large: int) -> None:

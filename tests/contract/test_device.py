@@ -1,5 +1,6 @@
 """What the client does with connections that fail at the worst moment; no network, no process."""
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import pytest
@@ -21,6 +22,7 @@ class Station:
     time: float = 0.0
     connections: int = 0
     holding: bool = False
+    silent: int = 0
     held: list[Request] = field(default_factory=list)
     commands: int = 0
 
@@ -31,7 +33,11 @@ class Station:
 
     def take(self, request: Request) -> None:
         if self.controller.is_new(request):
-            self.reply = self.controller.answer(request)
+            reply = self.controller.answer(request)
+            if self.silent > 0:
+                self.silent -= 1
+            else:
+                self.reply = reply
 
     @property
     def bins(self) -> tuple[int, ...]:
@@ -102,6 +108,19 @@ def test_a_command_that_is_late_before_the_question_acts() -> None:
     lost_sort(station, device)
     station.deliver()
     assert device.outcome_of("sort") is Outcome.DONE
+    device.sort(2, "sort")
+    assert station.bins == (0, 0, 1, 0, 0)
+
+
+@pytest.mark.parametrize("unanswered", [1, 2, 3])
+def test_requests_that_act_unanswered_do_not_block_the_next(unanswered: int) -> None:
+    station = Station()
+    device = station.device()
+    device.advance_to(1, "advance")
+    station.silent = unanswered
+    for _ in range(2):
+        with suppress(CommandError):
+            device.sort(2, "sort")
     device.sort(2, "sort")
     assert station.bins == (0, 0, 1, 0, 0)
 

@@ -55,6 +55,7 @@ class Line:
         self._answer_timeout = answer_timeout
         self._lock = Lock()
         self._conversation: Conversation | None = None
+        self._sent: int | None = None
 
     def insist(self, order: Order, deadline: Deadline) -> Reply:
         """Send what may be sent twice; if an old connection fails, once more over a new one."""
@@ -90,7 +91,7 @@ class Line:
         end = time.monotonic() + seconds
         link = self._connect(seconds)
         try:
-            conversation = Conversation(link)
+            conversation = Conversation(link, self._sent)
         except BaseException:
             link.close()
             raise
@@ -100,5 +101,6 @@ class Line:
 
     def _hang_up(self) -> None:
         if self._conversation is not None:
+            self._sent = self._conversation.sequence
             self._conversation.close()
             self._conversation = None

@@ -4,7 +4,7 @@ import time
 from importlib.util import find_spec
 from typing import NamedTuple, Protocol
 
-from beltsort.cell.controller.wire import Reply, Request, Verb, following
+from beltsort.cell.controller.wire import Reply, Request, Verb, following, is_ahead
 from beltsort.errors import CellError
 
 ACKNOWLEDGE_POLL = 0.002
@@ -39,18 +39,27 @@ class Order(NamedTuple):
 class Conversation:
     """Numbers requests and waits for their replies.
 
-    Going on from the controller's last number makes it ignore what an earlier connection may still deliver,
-    as soon as it has acknowledged anything here.
+    It goes on behind the last number that was answered or sent, and leaves one out: the request of that
+    number may have acted unanswered. What an earlier connection still delivers is then behind, and ignored,
+    as soon as anything here was answered.
 
     Parameters
     ----------
     link
         Over which they go.
+    sent
+        The last number that this program sent over an earlier connection, if any.
+
+    Attributes
+    ----------
+    sequence
+        The last number sent.
     """
 
-    def __init__(self, link: Link) -> None:
+    def __init__(self, link: Link, sent: int | None) -> None:
+        answered = link.read().sequence
         self._link = link
-        self._sequence = link.read().sequence
+        self.sequence = following(sent if sent is not None and is_ahead(sent, of=answered) else answered)
 
     def ask(self, order: Order, seconds: float) -> Reply:
         """Write a request and return its reply.
@@ -61,18 +70,18 @@ class Conversation:
             If the controller acknowledges nothing within `seconds`, or somebody else's request.
         """
         end = time.monotonic() + seconds
-        self._sequence = following(self._sequence)
-        self._link.write(Request(self._sequence, *order))
-        while (reply := self._link.read()).sequence != self._sequence:
+        self.sequence = following(self.sequence)
+        self._link.write(Request(self.sequence, *order))
+        while (reply := self._link.read()).sequence != self.sequence:
             if time.monotonic() > end:
                 raise LinkError(
-                    f"the controller acknowledged request {reply.sequence}, expected {self._sequence} within "
+                    f"the controller acknowledged request {reply.sequence}, expected {self.sequence} within "
                     f"{seconds:g} s; see whether its program runs"
                 )
             time.sleep(ACKNOWLEDGE_POLL)
         if (reply.verb, reply.key) != (order.verb, order.key):
             raise LinkError(
-                f"request {self._sequence} was answered as verb {reply.verb} for key {reply.key}, expected "
+                f"request {self.sequence} was answered as verb {reply.verb} for key {reply.key}, expected "
                 f"{int(order.verb)} for {order.key}; let only one program command a controller"
             )
         return reply
