@@ -93,6 +93,20 @@ def test_security_can_be_left_out_on_this_computer(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("arguments", "said"),
+    [(["--host", "0.0.0.0"], "expected this computer"), (["--pki", "{folder}"], "holds no certificate")],
+)
+def test_a_server_that_is_open_to_all_or_to_nobody_is_refused(
+    tmp_path: Path, arguments: list[str], said: str
+) -> None:
+    command = [sys.executable, "-m", OpcuaPeer.module, *(part.format(folder=tmp_path) for part in arguments)]
+    ran = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+    assert ran.returncode != 0
+    assert said in ran.stderr
+    assert "Traceback" not in ran.stderr
+
+
+@pytest.mark.parametrize(
     ("options", "said"),
     [
         ({"endpoint": "127.0.0.1:4840"}, "expected 'opc.tcp://host:port/path'"),

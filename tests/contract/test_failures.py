@@ -9,6 +9,7 @@ import pytest
 
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.controller import FieldbusDevice
+from beltsort.cell.controller.wire import NOWHERE
 from tests.contract.peers import PATIENCE, ServerPeer
 from tests.contract.test_commands import new_id
 
@@ -16,8 +17,8 @@ LONG_WAY = 40
 """Objects that it takes the belt 3 s to advance by."""
 
 
-def begun(act: Callable[[], object]) -> Future[object]:
-    """Let a command run in another thread, and return when it has had the time to begin."""
+def begun(server: ServerPeer, act: Callable[[], object]) -> Future[object]:
+    """Let a command run in another thread, and return when the belt moves."""
     future: Future[object] = Future()
 
     def run() -> None:
@@ -27,7 +28,9 @@ def begun(act: Callable[[], object]) -> Future[object]:
             future.set_exception(failure)
 
     threading.Thread(target=run, daemon=True).start()
-    time.sleep(0.3)
+    end = time.monotonic() + PATIENCE
+    while server.push("look")["position"] != NOWHERE:
+        assert time.monotonic() < end
     assert not future.done()
     return future
 
@@ -51,7 +54,7 @@ def test_a_killed_controller_leaves_the_command_unknown_for_good(server: ServerP
     device, command_id = server.device(), new_id()
     boot_id = device.health().boot_id
     device.sort(0, new_id())
-    moving = begun(lambda: device.advance_to(LONG_WAY, command_id, timeout=5.0))
+    moving = begun(server, lambda: device.advance_to(LONG_WAY, command_id, timeout=5.0))
     server.kill()
     assert error_of(moving).outcome is Outcome.UNKNOWN
     server.restart()
@@ -72,14 +75,14 @@ def test_a_killed_controller_leaves_the_command_unknown_for_good(server: ServerP
 
 def test_a_late_answer_is_ignored_and_the_outcome_is_the_truth(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
-    moving = begun(lambda: device.advance_to(10, command_id, timeout=1.5))
+    moving = begun(server, lambda: device.advance_to(20, command_id, timeout=1.2))
     server.hang()
     assert error_of(moving).outcome is Outcome.UNKNOWN
     server.resume()
     assert known_outcome(device, command_id) is Outcome.DONE
-    assert server.push("look")["position"] == 10
-    device.advance_to(11, new_id())
-    assert server.push("look")["position"] == 11
+    assert server.push("look")["position"] == 20
+    device.advance_to(21, new_id())
+    assert server.push("look")["position"] == 21
 
 
 def test_a_controller_that_hangs_before_the_command_has_not_done_it(server: ServerPeer) -> None:
@@ -143,7 +146,7 @@ def test_a_full_bin_takes_nothing(server: ServerPeer) -> None:
 
 def test_the_emergency_stop_ends_a_command_and_refuses_the_next(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
-    moving = begun(lambda: device.advance_to(LONG_WAY, command_id))
+    moving = begun(server, lambda: device.advance_to(LONG_WAY, command_id))
     server.push("press")
     failure = error_of(moving)
     assert isinstance(failure, EmergencyStopError)
@@ -160,7 +163,7 @@ def test_the_emergency_stop_ends_a_command_and_refuses_the_next(server: ServerPe
 
 def test_stop_from_another_thread_ends_a_command(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
-    moving = begun(lambda: device.advance_to(LONG_WAY, command_id))
+    moving = begun(server, lambda: device.advance_to(LONG_WAY, command_id))
     device.stop()
     failure = error_of(moving)
     assert "was stopped" in str(failure)

@@ -7,12 +7,13 @@ import socket
 import sys
 import time
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from threading import Thread
-from typing import Protocol
+from typing import Any, Protocol
 
 from beltsort.cell.controller.reference import Controller, Machine, Mishap
 from beltsort.cell.controller.wire import COMMANDS, Reply, Request, Verb
+from beltsort.errors import CellError
 
 CYCLE = 0.002
 """Seconds between two looks for a request."""
@@ -147,6 +148,14 @@ async def serve(image: Image, panel: Panel, announcement: dict[str, object]) -> 
     await asyncio.wait([cycle, until], return_when=asyncio.FIRST_COMPLETED)
     if cycle.done():
         cycle.result()
+
+
+def run(main: Coroutine[Any, Any, None]) -> None:
+    """Run a server; what it cannot do ends it with one line."""
+    try:
+        asyncio.run(main)
+    except CellError as failure:
+        raise SystemExit(str(failure)) from failure
 
 
 def _say(line: dict[str, object]) -> None:

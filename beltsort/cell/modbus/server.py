@@ -4,7 +4,6 @@ It prints one line of JSON with its address, takes an operator's buttons from st
 that ends.
 """
 
-import asyncio
 import ssl
 from argparse import Namespace
 from pathlib import Path
@@ -15,7 +14,7 @@ from pymodbus.server import ModbusTcpServer, ModbusTlsServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from beltsort.cell.controller.pki import identity
-from beltsort.cell.controller.serving import Panel, free_port, parser, serve
+from beltsort.cell.controller.serving import Panel, free_port, parser, run, serve
 from beltsort.cell.controller.wire import Reply, Request
 from beltsort.cell.modbus.registers import (
     REPLY_AT,
@@ -91,4 +90,4 @@ async def main(arguments: Namespace) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(main(parser("beltsort.cell.modbus.server", "A reference Modbus server.").parse_args()))
+    run(main(parser("beltsort.cell.modbus.server", "A reference Modbus server.").parse_args()))

@@ -3,6 +3,8 @@
 import ssl
 from pathlib import Path
 
+from beltsort.cell.controller.trust import trusted
+
 
 def context(protocol: int, certificate: str, private_key: str, trust: str) -> ssl.SSLContext:
     """Return a context for one side, `ssl.PROTOCOL_TLS_CLIENT` or `ssl.PROTOCOL_TLS_SERVER`.
@@ -19,9 +21,9 @@ def context(protocol: int, certificate: str, private_key: str, trust: str) -> ss
     made.verify_mode = ssl.CERT_REQUIRED
     made.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN  # a certificate in the folder need not be a root
     made.load_cert_chain(certificate, private_key)
-    for path in sorted(Path(trust).iterdir()):
+    for path in trusted(Path(trust)):
         if path.suffix == ".pem":
             made.load_verify_locations(cafile=path)
-        elif path.suffix == ".der":
+        else:
             made.load_verify_locations(cadata=path.read_bytes())
     return made

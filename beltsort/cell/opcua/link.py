@@ -10,13 +10,13 @@ from typing import Any, TypeVar
 from asyncua import ua
 from asyncua.client.client import Client
 from asyncua.crypto import security_policies
-from asyncua.crypto.truststore import TrustStore
 from asyncua.crypto.validator import CertificateValidator, CertificateValidatorOptions
 
 from beltsort.cell.controller.pki import application_uri
 from beltsort.cell.controller.wire import Reply, Request
 from beltsort.cell.opcua.nodes import NAMESPACE, REPLY, REQUEST, decode_reply, encode_request, node_id
 from beltsort.cell.opcua.options import OpcuaOptions
+from beltsort.cell.opcua.trust import trust_store
 
 Result = TypeVar("Result")
 
@@ -80,8 +80,7 @@ class OpcuaLink:
 
     async def _secure(self, options: OpcuaOptions) -> None:
         self._client.application_uri = application_uri(Path(options.certificate))
-        trust = TrustStore([Path(options.trust)], [])
-        await trust.load()
+        trust = await trust_store(Path(options.trust))
         self._client.certificate_validator = CertificateValidator(
             CertificateValidatorOptions.TRUSTED_VALIDATION | CertificateValidatorOptions.PEER_SERVER, trust
         )

@@ -46,19 +46,20 @@ class OpcuaOptions:
         if not self.answer_timeout > 0.0:
             raise CellError(f"answer_timeout is {self.answer_timeout}, expected seconds above 0")
         if self.allow_insecure:
-            self._check_loopback()
+            check_loopback(urlparse(self.endpoint).hostname or "")
         elif not (self.certificate and self.private_key and self.trust):
             raise CellError(
                 f"certificate, private_key and trust are {self.certificate!r}, {self.private_key!r} and "
                 f"{self.trust!r}, expected paths; docs/fieldbus.md says how to make them"
             )
 
-    def _check_loopback(self) -> None:
-        host = urlparse(self.endpoint).hostname or ""
-        if host != "localhost" and not (_is_address(host) and ip_address(host).is_loopback):
-            raise CellError(
-                f"allow_insecure is set for {host!r}, expected this computer (127.0.0.1); give certificates"
-            )
+
+def check_loopback(host: str) -> None:
+    """Refuse to do without security beyond this computer."""
+    if host != "localhost" and not (_is_address(host) and ip_address(host).is_loopback):
+        raise CellError(
+            f"host is {host!r} without security, expected this computer (127.0.0.1); give certificates"
+        )
 
 
 def _is_address(host: str) -> bool:

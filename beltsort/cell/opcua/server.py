@@ -4,7 +4,6 @@ It prints one line of JSON with its endpoint, takes an operator's buttons from s
 that ends.
 """
 
-import asyncio
 from argparse import Namespace
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from asyncua.server.user_managers import UserManager
 from cryptography import x509
 
 from beltsort.cell.controller.pki import Identity, application_uri, identity
-from beltsort.cell.controller.serving import Panel, free_port, parser, serve
+from beltsort.cell.controller.serving import Panel, free_port, parser, run, serve
 from beltsort.cell.controller.wire import Reply, Request, Verb
 from beltsort.cell.opcua.nodes import (
     FOLDER,
@@ -30,6 +29,8 @@ from beltsort.cell.opcua.nodes import (
     encode_request,
     node_id,
 )
+from beltsort.cell.opcua.options import check_loopback
+from beltsort.cell.opcua.trust import trust_store
 
 SECURE = [
     ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt,
@@ -93,9 +94,7 @@ async def build(server: Server, reply: Reply) -> Nodes:
 
 async def secured(own: Identity) -> Server:
     """Return a server that only trusted clients can use."""
-    trust = TrustStore([own.trust], [])
-    await trust.load()
-    server = Server(user_manager=TrustedPeers(trust))
+    server = Server(user_manager=TrustedPeers(await trust_store(own.trust)))
     await server.init()
     await server.set_application_uri(application_uri(own.certificate))
     await server.load_certificate(str(own.certificate))
@@ -105,8 +104,9 @@ async def secured(own: Identity) -> Server:
     return server
 
 
-async def open_to_all() -> Server:
-    """Return a server without security."""
+async def insecure(host: str) -> Server:
+    """Return a server without security, for this computer only."""
+    check_loopback(host)
     server = Server()
     await server.init()
     server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
@@ -115,8 +115,7 @@ async def open_to_all() -> Server:
 
 async def main(arguments: Namespace) -> None:
     """Serve until standard input ends."""
-    own = identity(Path(arguments.pki)) if arguments.pki else None
-    server = await (open_to_all() if own is None else secured(own))
+    server = await (secured(identity(Path(arguments.pki))) if arguments.pki else insecure(arguments.host))
     endpoint = f"opc.tcp://{arguments.host}:{free_port(arguments)}/beltsort"
     server.set_endpoint(endpoint)
     panel = Panel(arguments)
@@ -126,4 +125,4 @@ async def main(arguments: Namespace) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(main(parser("beltsort.cell.opcua.server", "A reference OPC UA server.").parse_args()))
+    run(main(parser("beltsort.cell.opcua.server", "A reference OPC UA server.").parse_args()))
