@@ -16,6 +16,7 @@ from asyncua.ua.uaerrors import UaError
 from beltsort.cell.controller.link import require
 from beltsort.cell.controller.pki import application_uri
 from beltsort.cell.opcua import OpcuaOptions, make
+from beltsort.cell.opcua.nodes import NAMESPACE, REQUEST, node_id
 from beltsort.errors import CellError
 from tests.contract.peers import OpcuaPeer
 
@@ -74,6 +75,24 @@ def test_other_policies_work(guarded: OpcuaPeer, policy: str) -> None:
     files = (str(own.certificate), str(own.private_key), str(own.trust))
     device = make(OpcuaOptions(endpoint, *files, policy=policy))
     assert device.health().ready
+    device.close()
+
+
+def test_what_is_no_request_is_ignored(guarded: OpcuaPeer) -> None:
+    own, endpoint = guarded.client, f"opc.tcp://127.0.0.1:{guarded.port}/beltsort"
+
+    async def write_nonsense() -> None:
+        client = Client(endpoint)
+        client.application_uri = application_uri(own.certificate)
+        await client.set_security(SecurityPolicyBasic256Sha256, str(own.certificate), str(own.private_key))
+        async with client:
+            index = await client.get_namespace_index(NAMESPACE)
+            request = client.get_node(node_id(index, REQUEST))
+            await request.write_value([1, 2, 3], ua.VariantType.Int64)
+
+    asyncio.run(write_nonsense())
+    device = guarded.device()
+    device.sort(0, "after nonsense")
     device.close()
 
 

@@ -80,8 +80,8 @@ class ServerPeer(Peer):
         self.server, self.client, self.stranger = (
             identity(folder / who) for who in ("server", "client", "stranger")
         )
-        self.server.trusts(self.client)
-        self.client.trusts(self.server)
+        self.server.admit(self.client)
+        self.client.admit(self.server)
         self._process: subprocess.Popen[str] | None = None
         self._devices: list[FieldbusDevice] = []
         with socket.create_server(("127.0.0.1", 0)) as probe:

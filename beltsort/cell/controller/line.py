@@ -71,7 +71,8 @@ class Line:
         try:
             seconds = min(self._answer_timeout, deadline.left)
             if self._conversation is None:
-                self._conversation = within(seconds, "connecting", lambda: self._dial(seconds))
+                end = time.monotonic() + seconds
+                self._conversation = within(seconds, "connecting", lambda: self._dial(seconds, end))
             conversation = self._conversation
             seconds = min(seconds, deadline.left)
             return within(seconds, "the answer", lambda: conversation.ask(order, seconds))
@@ -86,9 +87,8 @@ class Line:
         with self._lock:
             self._hang_up()
 
-    def _dial(self, seconds: float) -> Conversation:
-        """Build a new connection, and close it at once if nobody waits for it any more."""
-        end = time.monotonic() + seconds
+    def _dial(self, seconds: float, end: float) -> Conversation:
+        """Build a new connection; close it at once if it comes after `end`, when nobody waits for it."""
         link = self._connect(seconds)
         try:
             conversation = Conversation(link, self._sent)

@@ -35,7 +35,7 @@ class Identity:
     private_key: Path
     trust: Path
 
-    def trusts(self, other: "Identity") -> None:
+    def admit(self, other: "Identity") -> None:
         """Put the other's certificate among the trusted ones."""
         name = f"{other.certificate.parent.name}.pem"
         (self.trust / name).write_bytes(other.certificate.read_bytes())

@@ -22,8 +22,8 @@ CYCLE = 0.002
 class Image(Protocol):
     """The memory that client and controller share over a fieldbus."""
 
-    async def request(self) -> Request:
-        """Return what the client wrote last."""
+    async def request(self) -> Request | None:
+        """Return what the client wrote last, or None if it is no request."""
 
     async def publish(self, reply: Reply) -> None:
         """Show the client a reply, all of it at once."""
@@ -109,7 +109,7 @@ class Panel:
         await image.publish(self.shown())
         while True:
             request = await image.request()
-            if self._controller.is_new(request):
+            if request is not None and self._controller.is_new(request):
                 reply = self._controller.answer(request)
                 if not self._loses(request):
                     await image.publish(reply)

@@ -7,6 +7,7 @@ from beltsort.cell.controller.wire import Phase, Reply, Request
 NAMESPACE = "urn:beltsort:controller"
 FOLDER = "Beltsort"
 REQUEST = "Request"
+REQUEST_LENGTH = 4
 ANSWER = "Answer"
 STATE = ("BootId", "Position", "Remembered", "Forgotten", "Ready", "EmergencyStop", "Fault", "Bins")
 REPLY = (ANSWER, *STATE)
@@ -22,9 +23,9 @@ def encode_request(request: Request) -> list[int]:
     return [request.sequence, int(request.verb), request.target, request.key]
 
 
-def decode_request(value: list[int]) -> Request:
-    """Return the request in the node Request."""
-    return Request(*value)
+def decode_request(value: Any) -> Request | None:
+    """Return the request in the node Request, or None if it is not one."""
+    return Request(*value) if isinstance(value, list) and len(value) == REQUEST_LENGTH else None
 
 
 def encode_reply(reply: Reply) -> list[Any]:

@@ -64,8 +64,8 @@ class Nodes:
         self._request = request
         self._reply = reply
 
-    async def request(self) -> Request:
-        """Return what the client wrote last."""
+    async def request(self) -> Request | None:
+        """Return what the client wrote last, or None if it is no request."""
         return decode_request(await self._request.read_value())
 
     async def publish(self, reply: Reply) -> None:
