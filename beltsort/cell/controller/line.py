@@ -15,6 +15,10 @@ Connect: TypeAlias = Callable[[float], Link]
 """Builds a new connection; its argument is how many seconds each call of the driver may take."""
 
 
+HANDSHAKE = 5.0
+"""How much longer connecting may take than an answer: it exchanges several messages, and certificates."""
+
+
 class Deadline:
     """Seconds that are left of a timeout."""
 
@@ -69,12 +73,10 @@ class Line:
         if not self._lock.acquire(timeout=deadline.left):
             raise TimeoutError("another thread's request takes too long")
         try:
-            seconds = min(self._answer_timeout, deadline.left)
             if self._conversation is None:
-                end = time.monotonic() + seconds
-                self._conversation = within(seconds, "connecting", lambda: self._dial(seconds, end))
+                self._conversation = self._connected(min(HANDSHAKE * self._answer_timeout, deadline.left))
             conversation = self._conversation
-            seconds = min(seconds, deadline.left)
+            seconds = min(self._answer_timeout, deadline.left)
             return within(seconds, "the answer", lambda: conversation.ask(order, seconds))
         except BaseException:
             self._hang_up()
@@ -87,17 +89,22 @@ class Line:
         with self._lock:
             self._hang_up()
 
-    def _dial(self, seconds: float, end: float) -> Conversation:
-        """Build a new connection; close it at once if it comes after `end`, when nobody waits for it."""
-        link = self._connect(seconds)
-        try:
-            conversation = Conversation(link, self._sent)
-        except BaseException:
-            link.close()
-            raise
-        if time.monotonic() > end:
-            link.close()
-        return conversation
+    def _connected(self, seconds: float) -> Conversation:
+        """Build a new connection; one that comes late is closed at once."""
+        end = time.monotonic() + seconds
+
+        def dial() -> Conversation:
+            link = self._connect(seconds)
+            try:
+                conversation = Conversation(link, self._sent)
+            except BaseException:
+                link.close()
+                raise
+            if time.monotonic() > end:
+                link.close()
+            return conversation
+
+        return within(seconds, "connecting", dial)
 
     def _hang_up(self) -> None:
         if self._conversation is not None:

@@ -2,9 +2,10 @@
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 from beltsort.cell.controller.device import FieldbusDevice
-from beltsort.cell.controller.link import Link, require
+from beltsort.cell.controller.link import require
 from beltsort.cell.modbus.options import ModbusOptions
 
 
@@ -24,11 +25,7 @@ def make(options: ModbusOptions, clock: Callable[[], float] = time.time) -> Fiel
         If pymodbus is not installed.
     """
     require("pymodbus", "modbus")
-
-    def connect(seconds: float) -> Link:
-        from beltsort.cell.modbus.link import ModbusLink
-
-        return ModbusLink(options, seconds)
+    from beltsort.cell.modbus.link import ModbusLink  # now, so that no connection has to wait for it
 
     name = f"the controller at {options.host}:{options.port}"
-    return FieldbusDevice(connect, name, options.answer_timeout, clock)
+    return FieldbusDevice(partial(ModbusLink, options), name, options.answer_timeout, clock)

@@ -2,9 +2,10 @@
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 from beltsort.cell.controller.device import FieldbusDevice
-from beltsort.cell.controller.link import Link, require
+from beltsort.cell.controller.link import require
 from beltsort.cell.opcua.options import OpcuaOptions
 
 
@@ -24,10 +25,8 @@ def make(options: OpcuaOptions, clock: Callable[[], float] = time.time) -> Field
         If asyncua is not installed.
     """
     require("asyncua", "opcua")
+    from beltsort.cell.opcua.link import OpcuaLink  # now, so that no connection has to wait for it
 
-    def connect(seconds: float) -> Link:
-        from beltsort.cell.opcua.link import OpcuaLink
-
-        return OpcuaLink(options, seconds)
-
-    return FieldbusDevice(connect, f"the controller at {options.endpoint}", options.answer_timeout, clock)
+    return FieldbusDevice(
+        partial(OpcuaLink, options), f"the controller at {options.endpoint}", options.answer_timeout, clock
+    )
