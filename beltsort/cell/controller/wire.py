@@ -1,0 +1,208 @@
+"""What client and controller say to each other, over whatever fieldbus: one request, one reply.
+
+`docs/fieldbus.md` specifies the protocol; the numbers here are its numbers.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from hashlib import blake2b
+
+from beltsort.cell.commands import Outcome
+
+NOWHERE = -1
+"""The position of a belt that moves, stands between two objects, or was not homed."""
+
+MEMORY = 1000
+"""Commands that a controller remembers."""
+
+MAX_BINS = 32
+"""Bins that a controller can count."""
+
+SEQUENCES = 1 << 16
+"""Sequence numbers are counted modulo this."""
+
+
+class Verb(IntEnum):
+    """What a request asks for."""
+
+    LOOK = 0
+    """Only a fresh reply."""
+    ADVANCE = 1
+    """Bring object `target` to the belt end."""
+    SORT = 2
+    """Put the object at the belt end into bin `target`."""
+    RECALL = 3
+    """Tell what became of the command `key`."""
+    STOP = 4
+    """End every motion."""
+    HOME = 5
+    """Somebody has looked: object `target` is at the belt end, and faults are cleared."""
+
+
+COMMANDS = (Verb.ADVANCE, Verb.SORT)
+"""Verbs that act, once per key."""
+
+
+class Phase(IntEnum):
+    """What became of a command."""
+
+    FORGOTTEN = 0
+    """The controller does not remember it."""
+    RUNNING = 1
+    """It acts."""
+    DONE = 2
+    """It acted, once."""
+    NOT_DONE = 3
+    """Nothing moved; the same id may be used again."""
+    BROKEN_OFF = 4
+    """It began and did not end as it should; the same id never acts again."""
+
+
+OUTCOMES = {
+    Phase.RUNNING: Outcome.UNKNOWN,
+    Phase.DONE: Outcome.DONE,
+    Phase.NOT_DONE: Outcome.NOT_DONE,
+    Phase.BROKEN_OFF: Outcome.UNKNOWN,
+}
+"""Outcomes of the commands that a controller remembers."""
+
+
+class Reason(IntEnum):
+    """Why a command was not done, was broken off, or why the controller is not ready."""
+
+    NONE = 0
+    EMERGENCY_STOP = 1
+    NOT_HOMED = 2
+    BUSY = 3
+    BACKWARDS = 4
+    OTHER_COMMAND = 5
+    NO_SUCH_BIN = 6
+    BIN_FULL = 7
+    ALREADY_SORTED = 8
+    BETWEEN_OBJECTS = 9
+    STOPPED = 10
+    STUCK = 11
+    OVERSHOT = 12
+    NO_SUCH_VERB = 13
+
+
+EXPLANATIONS: dict[int, str] = {
+    Reason.NONE: "it gives no reason",
+    Reason.EMERGENCY_STOP: "the emergency stop is pressed; release it at the machine",
+    Reason.NOT_HOMED: "the controller does not know which object is at the belt end; look, and call home()",
+    Reason.BUSY: "another command still acts; wait for it, or call stop()",
+    Reason.BACKWARDS: "the belt moves forward only",
+    Reason.OTHER_COMMAND: "its id belongs to another command or target; give every command its own id",
+    Reason.NO_SUCH_BIN: "the controller has no such bin",
+    Reason.BIN_FULL: "the bin is full; empty it",
+    Reason.ALREADY_SORTED: "the object at the belt end was sorted already; advance first",
+    Reason.BETWEEN_OBJECTS: "the belt stands between two objects; advance first",
+    Reason.STOPPED: "it was stopped on the way; look what became of it",
+    Reason.STUCK: "the belt did not move; free it, and call home()",
+    Reason.OVERSHOT: "the belt went too far; look, and call home()",
+    Reason.NO_SUCH_VERB: "the controller does not know this verb; compare versions of the protocol",
+}
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the client writes, all of it at once.
+
+    Attributes
+    ----------
+    sequence
+        The controller acts on a request only if its number is ahead of the last one's (`is_ahead`).
+    verb
+        A `Verb`.
+    target
+        Object number or bin.
+    key
+        `key_of` the command id; 0 for requests that are about no command.
+    """
+
+    sequence: int
+    verb: int
+    target: int = 0
+    key: int = 0
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What the controller writes, all of it at once.
+
+    Attributes
+    ----------
+    sequence, verb, key
+        Those of the request that is answered.
+    phase, reason
+        What became of the command `key`, and why: a `Reason`, or the controller's own number from 100 on.
+    age
+        Milliseconds since the command ended; 0 while it acts.
+    boot
+        Drawn anew whenever the controller starts; above 0.
+    position
+        Number of the object at the belt end, or `NOWHERE`.
+    remembered, forgotten
+        Commands in memory, and commands that had to make room since the controller started.
+    ready
+        Whether the controller takes commands.
+    emergency_stop
+        Whether the emergency stop is pressed.
+    fault
+        Like `reason`; 0 if there is none.
+    bins
+        Objects in each bin.
+    """
+
+    sequence: int
+    verb: int
+    key: int
+    phase: Phase
+    reason: int
+    age: int
+    boot: int
+    position: int
+    remembered: int
+    forgotten: int
+    ready: bool
+    emergency_stop: bool
+    fault: int
+    bins: tuple[int, ...]
+
+
+def key_of(command_id: str) -> int:
+    """Return the number that stands for a command id on the wire, from 1 to 2^63 - 1.
+
+    Two ids among a million get the same number with a probability of 5e-8.
+
+    Examples
+    --------
+    >>> 0 < key_of("sort-12") < 2**63
+    True
+    >>> key_of("sort-12") == key_of("sort-13")
+    False
+    """
+    digest = blake2b(command_id.encode(), digest_size=8).digest()
+    return max(1, int.from_bytes(digest) >> 1)
+
+
+def following(sequence: int) -> int:
+    """Return the next sequence number."""
+    return (sequence + 1) % SEQUENCES
+
+
+def is_ahead(sequence: int, of: int) -> bool:
+    """Tell whether a sequence number is later than another: by less than half of all numbers.
+
+    Examples
+    --------
+    >>> is_ahead(3, of=65535), is_ahead(3, of=3), is_ahead(65535, of=3)
+    (True, False, False)
+    """
+    return 0 < (sequence - of) % SEQUENCES < SEQUENCES // 2
+
+
+def explained(fault: int) -> str:
+    """Say what a reason or fault number means."""
+    own = f"the controller reports its own fault {fault}; look it up in the machine's manual"
+    return EXPLANATIONS.get(fault, own)

@@ -1,0 +1,31 @@
+"""The device that speaks Modbus."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+from beltsort.cell.controller.device import FieldbusDevice
+from beltsort.cell.controller.link import require
+from beltsort.cell.modbus.options import ModbusOptions
+
+
+def make(options: ModbusOptions, clock: Callable[[], float] = time.time) -> FieldbusDevice:
+    """Return the belt and sorter behind a Modbus server. It connects when first used.
+
+    Parameters
+    ----------
+    options
+        How the server is reached.
+    clock
+        The cell's clock, seconds.
+
+    Raises
+    ------
+    CellError
+        If pymodbus is not installed.
+    """
+    require("pymodbus", "modbus")
+    from beltsort.cell.modbus.link import ModbusLink  # now, so that no connection has to wait for it
+
+    name = f"the controller at {options.host}:{options.port}"
+    return FieldbusDevice(partial(ModbusLink, options), name, options.answer_timeout, clock)

@@ -1,0 +1,9 @@
+"""Belt and sorter over OPC UA, encrypted and signed; needs `pip install beltsort[opcua]`.
+
+`python -m beltsort.cell.opcua.server` is a reference server; `docs/fieldbus.md` specifies its nodes.
+"""
+
+from beltsort.cell.opcua.device import make
+from beltsort.cell.opcua.options import OpcuaOptions
+
+__all__ = ["OpcuaOptions", "make"]

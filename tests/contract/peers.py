@@ -1,0 +1,213 @@
+"""Back-ends under contract: how a test starts one, hurts it, and connects to it.
+
+A new back-end joins with a class here: a `Peer`, or a `ServerPeer` if it is a process of its own.
+"""
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Protocol
+
+from beltsort.cell import Belt, Sorter, within
+from beltsort.cell.controller import FieldbusDevice
+from beltsort.cell.controller.pki import Identity, identity
+from beltsort.cell.modbus import ModbusOptions
+from beltsort.cell.modbus import make as make_modbus
+from beltsort.cell.opcua import OpcuaOptions
+from beltsort.cell.opcua import make as make_opcua
+
+PATIENCE = 20.0
+"""Seconds that a process may take to start or to say something."""
+
+SPEED = 20
+"""An advance by one object takes 0.075 s, a sort 0.15 s."""
+
+ANSWER_TIMEOUT = 0.8
+"""Seconds; short, since tests wait for it to pass."""
+
+
+class BeltAndSorter(Belt, Sorter, Protocol):
+    """The devices under contract."""
+
+
+class Peer(ABC):
+    """A back-end, which `folder` belongs to."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @abstractmethod
+    def device(self) -> BeltAndSorter:
+        """Return the device, with object 0 at the belt end."""
+
+    @abstractmethod
+    def refresh(self) -> None:
+        """Make it ready for the next test."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """End it, whatever state it is in."""
+
+
+class SimulatedPeer(Peer):
+    """The simulated cell: never far away, so it cannot be killed or hung."""
+
+    def device(self) -> BeltAndSorter:
+        from beltsort.cell.simulated import SimulatedCell
+
+        return SimulatedCell([0] * 50)
+
+    def refresh(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+class ServerPeer(Peer):
+    """A reference server in a process of its own, on a free port of 127.0.0.1."""
+
+    module: ClassVar[str]
+    secure: ClassVar[bool]
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self.server, self.client, self.stranger = (
+            identity(folder / who) for who in ("server", "client", "stranger")
+        )
+        self.server.admit(self.client)
+        self.client.admit(self.server)
+        self._process: subprocess.Popen[str] | None = None
+        self._devices: list[FieldbusDevice] = []
+        with socket.create_server(("127.0.0.1", 0)) as probe:
+            self.port: int = probe.getsockname()[1]
+
+    @abstractmethod
+    def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
+        """Return a device that uses an identity."""
+
+    def start(self, *arguments: str) -> None:
+        options = ["--port", str(self.port), "--speed", str(SPEED), *arguments]
+        pki = ["--pki", str(self.server.certificate.parent)] if self.secure else []
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", self.module, *options, *pki],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.boot_id = self._heard()["boot_id"]
+
+    def refresh(self) -> None:
+        """Make it run, with its emergency stop released and every connection of earlier tests closed."""
+        if self._process is None:
+            self.start()
+        self.hang_up()
+        self.push("release")
+
+    def device(self) -> FieldbusDevice:
+        device = self.unhomed()
+        device.home(0)
+        return device
+
+    def unhomed(self) -> FieldbusDevice:
+        return self._kept(self.connect(self.client, self.client.trust, self.port))
+
+    def unreachable(self) -> FieldbusDevice:
+        with socket.create_server(("127.0.0.1", 0)) as probe:
+            port = probe.getsockname()[1]
+        return self._kept(self.connect(self.client, self.client.trust, port))
+
+    def untrusted(self) -> FieldbusDevice:
+        """Return a device that the server does not trust."""
+        return self._kept(self.connect(self.stranger, self.client.trust, self.port))
+
+    def distrustful(self) -> FieldbusDevice:
+        """Return a device that does not trust the server."""
+        return self._kept(self.connect(self.client, self.server.trust, self.port))
+
+    def push(self, button: str) -> dict[str, Any]:
+        """Push a button of the operator's panel; return what it shows."""
+        stdin = self._running.stdin
+        assert stdin is not None
+        stdin.write(f"{button}\n")
+        stdin.flush()
+        return self._heard()
+
+    def hang(self) -> None:
+        self._running.send_signal(signal.SIGSTOP)
+
+    def resume(self) -> None:
+        self._running.send_signal(signal.SIGCONT)
+
+    def kill(self) -> None:
+        process, self._process = self._running, None
+        with process:  # closes its pipes, and waits
+            process.kill()
+
+    def restart(self) -> None:
+        """Start again after `kill`: memory wiped, position unknown."""
+        self.start()
+
+    def hang_up(self) -> None:
+        for device in self._devices:
+            device.close()
+        self._devices.clear()
+
+    def close(self) -> None:
+        self.hang_up()
+        if self._process is not None:
+            self.kill()
+
+    @property
+    def _running(self) -> subprocess.Popen[str]:
+        assert self._process is not None
+        return self._process
+
+    def _heard(self) -> dict[str, Any]:
+        stdout = self._running.stdout
+        assert stdout is not None
+        line: dict[str, Any] = json.loads(within(PATIENCE, "a line of the server", stdout.readline))
+        return line
+
+    def _kept(self, device: FieldbusDevice) -> FieldbusDevice:
+        self._devices.append(device)
+        return device
+
+
+class OpcuaPeer(ServerPeer):
+    module = "beltsort.cell.opcua.server"
+    secure = True
+
+    def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
+        endpoint = f"opc.tcp://127.0.0.1:{port}/beltsort"
+        files = (str(own.certificate), str(own.private_key), str(trust))
+        return make_opcua(OpcuaOptions(endpoint, *files, answer_timeout=ANSWER_TIMEOUT))
+
+
+class ModbusTlsPeer(ServerPeer):
+    module = "beltsort.cell.modbus.server"
+    secure = True
+
+    def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
+        files = (str(own.certificate), str(own.private_key), str(trust))
+        return make_modbus(ModbusOptions("127.0.0.1", port, *files, answer_timeout=ANSWER_TIMEOUT))
+
+
+class ModbusPeer(ServerPeer):
+    module = "beltsort.cell.modbus.server"
+    secure = False
+
+    def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
+        return make_modbus(
+            ModbusOptions("127.0.0.1", port, answer_timeout=ANSWER_TIMEOUT, allow_insecure=True)
+        )
+
+
+SERVERS: Sequence[type[ServerPeer]] = (OpcuaPeer, ModbusPeer, ModbusTlsPeer)
+SECURE: Sequence[type[ServerPeer]] = tuple(peer for peer in SERVERS if peer.secure)
+EVERY: Sequence[type[Peer]] = (SimulatedPeer, *SERVERS)

@@ -1,0 +1,192 @@
+"""What the client does with connections that fail at the worst moment; no network, no process."""
+
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+import pytest
+
+from beltsort.cell import CommandError, Outcome
+from beltsort.cell.controller import FieldbusDevice
+from beltsort.cell.controller.reference import Controller, Machine
+from beltsort.cell.controller.wire import COMMANDS, Reply, Request, Verb
+
+NOW = 1000.0
+"""The cell's clock."""
+
+
+@dataclass
+class Station:
+    """A controller at the other end of a network that can hold requests back."""
+
+    machine: Machine = field(default_factory=lambda: Machine(sort_seconds=0.0, advance_seconds=0.0))
+    time: float = 0.0
+    connections: int = 0
+    holding: bool = False
+    silent: int = 0
+    held: list[Request] = field(default_factory=list)
+    commands: int = 0
+
+    def __post_init__(self) -> None:
+        self.controller = Controller(self.machine, boot=1, clock=lambda: self.time)
+        self.controller.home(0)
+        self.reply = self.controller.answer(Request(0, Verb.LOOK))
+
+    def take(self, request: Request) -> None:
+        if self.controller.is_new(request):
+            reply = self.controller.answer(request)
+            if self.silent > 0:
+                self.silent -= 1
+            else:
+                self.reply = reply
+
+    @property
+    def bins(self) -> tuple[int, ...]:
+        return self.controller.answer(Request(self.controller.sequence, Verb.LOOK)).bins
+
+    def deliver(self) -> None:
+        """Let what was held back arrive."""
+        self.holding = False
+        for request in self.held:
+            self.take(request)
+
+    def connect(self, _seconds: float) -> "Wire":
+        self.connections += 1
+        self.wire = Wire(self)
+        return self.wire
+
+    def device(self) -> FieldbusDevice:
+        return FieldbusDevice(self.connect, "the station", answer_timeout=0.2, clock=lambda: NOW)
+
+
+@dataclass
+class Wire:
+    station: Station
+    broken: bool = False
+
+    def write(self, request: Request) -> None:
+        if self.broken:
+            raise ConnectionResetError("broken")
+        if request.verb in COMMANDS:
+            self.station.commands += 1
+            if self.station.holding:
+                self.station.held.append(request)
+                return
+        self.station.take(request)
+
+    def read(self) -> Reply:
+        assert not self.broken
+        return self.station.reply
+
+    def close(self) -> None:
+        self.broken = True
+
+
+def lost_sort(station: Station, device: FieldbusDevice) -> None:
+    """Send the command "sort", which the network holds back."""
+    station.holding = True
+    with pytest.raises(CommandError, match="ask what became of it") as error:
+        device.sort(2, "sort")
+    assert error.value.outcome is Outcome.UNKNOWN
+    assert station.commands == 1
+    station.holding = False
+
+
+def test_a_command_that_is_late_after_the_question_never_acts() -> None:
+    station = Station()
+    device = station.device()
+    lost_sort(station, device)
+    assert device.outcome_of("sort") is Outcome.NOT_DONE
+    station.deliver()
+    assert sum(station.bins) == 0
+    device.sort(2, "sort")
+    assert station.bins == (0, 0, 1, 0, 0)
+
+
+def test_a_command_that_is_late_before_the_question_acts() -> None:
+    station = Station()
+    device = station.device()
+    lost_sort(station, device)
+    station.deliver()
+    assert device.outcome_of("sort") is Outcome.DONE
+    device.sort(2, "sort")
+    assert station.bins == (0, 0, 1, 0, 0)
+
+
+@pytest.mark.parametrize("unanswered", [1, 2, 3])
+def test_requests_that_act_unanswered_do_not_block_the_next(unanswered: int) -> None:
+    station = Station()
+    device = station.device()
+    device.advance_to(1, "advance")
+    station.silent = unanswered
+    for _ in range(2):
+        with suppress(CommandError):
+            device.sort(2, "sort")
+    device.sort(2, "sort")
+    assert station.bins == (0, 0, 1, 0, 0)
+
+
+def test_a_connection_that_failed_is_not_used_again() -> None:
+    station = Station()
+    device = station.device()
+    lost_sort(station, device)
+    failed = station.wire
+    device.sort(2, "sort")
+    assert failed.broken
+    assert station.connections == 2
+
+
+def test_a_connection_that_broke_between_commands_is_replaced() -> None:
+    station = Station()
+    device = station.device()
+    device.sort(1, "first")
+    station.wire.broken = True
+    device.advance_to(1, "second")
+    assert (station.connections, station.commands) == (2, 2)
+
+
+def test_a_command_that_may_have_been_forgotten_is_unknown_and_not_repeated() -> None:
+    station = Station(Machine(sort_seconds=0.0, advance_seconds=0.0, memory=2))
+    device = station.device()
+    lost_sort(station, device)
+    for index in range(1, 4):
+        device.advance_to(index, f"advance-{index}")
+    assert device.outcome_of("sort") is Outcome.UNKNOWN
+    with pytest.raises(CommandError, match="forgotten it") as error:
+        device.sort(2, "sort")
+    assert error.value.outcome is Outcome.UNKNOWN
+    assert sum(station.bins) == 0
+
+
+def test_what_an_earlier_program_sent_is_unknown_as_long_as_the_controller_remembers_nothing() -> None:
+    station = Station()
+    device = station.device()
+    assert device.outcome_of("earlier") is Outcome.UNKNOWN
+    device.advance_to(1, "advance")
+    assert device.outcome_of("earlier") is Outcome.NOT_DONE
+
+
+def test_an_answer_to_somebody_else_is_not_taken_for_ones_own() -> None:
+    station = Station()
+    device = station.device()
+    device.sort(0, "sort")
+    station.take(Request(station.controller.sequence + 1, Verb.RECALL, key=7))
+    device.advance_to(1, "advance")
+    assert device.outcome_of("advance") is Outcome.DONE
+    assert (station.connections, station.commands) == (2, 2)
+
+
+def test_the_time_of_a_stop_is_on_the_cells_clock() -> None:
+    station = Station()
+    device = station.device()
+    assert device.advance_to(1, "advance") == NOW
+    station.time += 5.0
+    assert device.advance_to(1, "advance") == NOW - 5.0
+
+
+@pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_timeout_is_a_number_of_seconds(timeout: float) -> None:
+    station = Station()
+    with pytest.raises(CommandError, match="timeout is") as error:
+        station.device().sort(0, "sort", timeout=timeout)
+    assert error.value.outcome is Outcome.NOT_DONE
+    assert station.connections == 0

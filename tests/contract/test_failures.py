@@ -1,0 +1,215 @@
+"""What becomes of commands when the machine, the controller or the network fails."""
+
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+
+import pytest
+
+from beltsort.cell import CommandError, EmergencyStopError, Outcome
+from beltsort.cell.controller import FieldbusDevice
+from beltsort.cell.controller.wire import NOWHERE
+from tests.contract.peers import PATIENCE, ServerPeer
+from tests.contract.test_commands import new_id
+
+LONG_WAY = 40
+"""Objects that it takes the belt 3 s to advance by."""
+
+
+def begun(server: ServerPeer, act: Callable[[], object]) -> Future[object]:
+    """Let a command run in another thread, and return when the belt moves."""
+    future: Future[object] = Future()
+
+    def run() -> None:
+        try:
+            future.set_result(act())
+        except CommandError as failure:
+            future.set_exception(failure)
+
+    threading.Thread(target=run, daemon=True).start()
+    end = time.monotonic() + PATIENCE
+    while server.push("look")["position"] != NOWHERE:
+        assert time.monotonic() < end
+    assert not future.done()
+    return future
+
+
+def error_of(future: Future[object]) -> CommandError:
+    failure = future.exception(PATIENCE)
+    assert isinstance(failure, CommandError)
+    return failure
+
+
+def known_outcome(device: FieldbusDevice, command_id: str) -> Outcome:
+    """Wait until a command no longer acts."""
+    end = time.monotonic() + PATIENCE
+    while (outcome := device.outcome_of(command_id)) is Outcome.UNKNOWN:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    return outcome
+
+
+def test_a_killed_controller_leaves_the_command_unknown_for_good(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    boot_id = device.health().boot_id
+    device.sort(0, new_id())
+    moving = begun(server, lambda: device.advance_to(LONG_WAY, command_id, timeout=5.0))
+    server.kill()
+    assert error_of(moving).outcome is Outcome.UNKNOWN
+    server.restart()
+    assert device.outcome_of(command_id) is Outcome.UNKNOWN
+    health = device.health()
+    assert health.boot_id == server.boot_id != boot_id
+    assert not health.ready
+    assert "call home()" in health.fault
+    with pytest.raises(CommandError, match=r"sent before.* restarted") as error:
+        device.advance_to(LONG_WAY, command_id)
+    assert error.value.outcome is Outcome.UNKNOWN
+    with pytest.raises(CommandError, match=r"call home\(\)") as error:
+        device.sort(0, new_id())
+    assert error.value.outcome is Outcome.NOT_DONE
+    device.home(7)
+    device.advance_to(8, new_id())
+
+
+def test_a_late_answer_is_ignored_and_the_outcome_is_the_truth(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    moving = begun(server, lambda: device.advance_to(20, command_id, timeout=1.2))
+    server.hang()
+    assert error_of(moving).outcome is Outcome.UNKNOWN
+    server.resume()
+    assert known_outcome(device, command_id) is Outcome.DONE
+    assert server.push("look")["position"] == 20
+    device.advance_to(21, new_id())
+    assert server.push("look")["position"] == 21
+
+
+def test_a_controller_that_hangs_before_the_command_has_not_done_it(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    device.advance_to(1, new_id())
+    server.hang()
+    with pytest.raises(CommandError) as error:
+        device.sort(0, command_id, timeout=1.0)
+    assert error.value.outcome is Outcome.NOT_DONE
+    server.resume()
+    assert device.outcome_of(command_id) is Outcome.NOT_DONE
+    device.sort(0, command_id)
+    assert device.outcome_of(command_id) is Outcome.DONE
+
+
+def test_a_lost_acknowledgement_does_not_undo_the_act(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    bins = server.push("lose")["bins"]
+    with pytest.raises(CommandError) as error:
+        device.sort(2, command_id)
+    assert error.value.outcome is Outcome.UNKNOWN
+    assert known_outcome(device, command_id) is Outcome.DONE
+    device.sort(2, command_id)
+    assert server.push("look")["bins"] == [*bins[:2], bins[2] + 1, *bins[3:]]
+
+
+def test_a_stuck_belt_has_not_moved_and_may_try_again(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    server.push("stick")
+    with pytest.raises(CommandError, match="the belt did not move") as error:
+        device.advance_to(2, command_id)
+    assert error.value.outcome is device.outcome_of(command_id) is Outcome.NOT_DONE
+    assert "the belt did not move" in device.health().fault
+    device.home(0)
+    device.advance_to(2, command_id)
+    assert device.outcome_of(command_id) is Outcome.DONE
+
+
+def test_a_belt_that_goes_too_far_says_where_it_is(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    server.push("overshoot")
+    with pytest.raises(CommandError, match=r"went too far.*at object 3") as error:
+        device.advance_to(2, command_id)
+    assert error.value.outcome is device.outcome_of(command_id) is Outcome.UNKNOWN
+    with pytest.raises(CommandError, match="went too far") as error:
+        device.sort(0, new_id())
+    assert error.value.outcome is Outcome.NOT_DONE
+    device.home(3)
+    device.sort(0, new_id())
+
+
+def test_a_full_bin_takes_nothing(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    server.push("fill")
+    with pytest.raises(CommandError, match="the bin is full") as error:
+        device.sort(1, command_id)
+    assert error.value.outcome is device.outcome_of(command_id) is Outcome.NOT_DONE
+    server.push("empty")
+    device.sort(1, command_id)
+
+
+def test_the_emergency_stop_ends_a_command_and_refuses_the_next(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    moving = begun(server, lambda: device.advance_to(LONG_WAY, command_id))
+    server.push("press")
+    failure = error_of(moving)
+    assert isinstance(failure, EmergencyStopError)
+    assert failure.outcome is device.outcome_of(command_id) is Outcome.UNKNOWN
+    health = device.health()
+    assert health.emergency_stop
+    assert not health.ready
+    with pytest.raises(EmergencyStopError) as error:
+        device.sort(0, new_id())
+    assert error.value.outcome is Outcome.NOT_DONE
+    server.push("release")
+    assert device.health().ready
+
+
+def test_stop_from_another_thread_ends_a_command(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    moving = begun(server, lambda: device.advance_to(LONG_WAY, command_id))
+    device.stop()
+    failure = error_of(moving)
+    assert "was stopped" in str(failure)
+    assert failure.outcome is device.outcome_of(command_id) is Outcome.UNKNOWN
+    with pytest.raises(CommandError, match="between two objects"):
+        device.sort(0, new_id())
+    device.home(5)
+    device.sort(0, new_id())
+
+
+def test_a_deadline_leaves_the_command_acting(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    with pytest.raises(CommandError, match=r"still acts after 0\.5 s") as error:
+        device.advance_to(24, command_id, timeout=0.5)
+    assert error.value.outcome is Outcome.UNKNOWN
+    with pytest.raises(CommandError, match="another command still acts") as error:
+        device.advance_to(24, new_id())
+    assert error.value.outcome is Outcome.NOT_DONE
+    device.advance_to(24, command_id)
+    assert device.outcome_of(command_id) is Outcome.DONE
+
+
+def test_nobody_there(server: ServerPeer) -> None:
+    device = server.unreachable()
+    with pytest.raises(CommandError, match="cannot be asked") as error:
+        device.sort(0, new_id(), timeout=PATIENCE)
+    assert error.value.outcome is Outcome.NOT_DONE
+    for ask in (device.health, device.stop, lambda: device.outcome_of("any")):
+        with pytest.raises(CommandError, match="cannot be asked"):
+            ask()
+
+
+def test_a_stranger_is_turned_away(secure_server: ServerPeer) -> None:
+    for device in (secure_server.untrusted(), secure_server.distrustful()):
+        with pytest.raises(CommandError, match="certificates") as error:
+            device.sort(0, new_id())
+        assert error.value.outcome is Outcome.NOT_DONE
+    assert secure_server.device().health().boot_id == secure_server.boot_id
+
+
+def test_another_program_learns_what_became_of_a_command(server: ServerPeer) -> None:
+    device, command_id = server.device(), new_id()
+    device.advance_to(1, command_id)
+    device.close()
+    restarted = server.unhomed()
+    assert restarted.outcome_of(command_id) is Outcome.DONE
+    assert restarted.outcome_of(new_id()) is Outcome.NOT_DONE
+    restarted.advance_to(1, command_id)
+    restarted.sort(0, new_id())
