@@ -41,6 +41,10 @@ class Ledger:
         """Tell whether a command was given."""
         return command_id in self._commands
 
+    def is_last(self, command_id: str) -> bool:
+        """Tell whether no other command was given since."""
+        return next(reversed(self._commands), None) == command_id
+
     def once(self, name: str, target: int, command_id: str, act: Callable[[], float]) -> float:
         """Carry out a command unless it is done; return the time of its stop.
 
@@ -58,6 +62,7 @@ class Ledger:
             )
         if earlier.outcome is Outcome.DONE:
             return earlier.stop
+        self._commands.pop(command_id, None)
         self._commands[command_id] = Command(name, target, Outcome.UNKNOWN)
         try:
             stop = act()

@@ -1,0 +1,132 @@
+"""What camera, arm and belt have in common: a node, and a topic by which the other side shows itself."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Self
+
+from beltsort.cell.commands import CommandError, Outcome
+from beltsort.cell.protocols import Health
+from beltsort.cell.ros1.link import Deadline, Link
+from beltsort.cell.ros1.master import node_pid
+
+SLICE = 0.25
+"""Seconds for which the node is asked to wait at a time, so that a deadline can say what came instead."""
+
+POST_TIMEOUT = 2.0
+"""Seconds that our node may take to publish."""
+
+FIRST_MESSAGE = 2.0
+"""Seconds within which `health` expects a message from the other side."""
+
+HEALTH_TIMEOUT = 2.0
+"""Seconds that master and node may each take to answer `health`."""
+
+
+class News(NamedTuple):
+    """A message: its number, stamp (seconds), sender, content, and the bytes of a point cloud."""
+
+    number: int
+    stamp: float
+    node: str
+    message: dict[str, Any]
+    data: bytes
+
+
+class Ros1Device:
+    """A device on the other side of a link.
+
+    Parameters
+    ----------
+    link
+        The way to our node.
+    topic
+        What the device publishes of itself.
+    fits
+        Tells whether a message on the topic is of this device: others may publish there, too.
+    """
+
+    def __init__(
+        self, link: Link, topic: str, fits: Callable[[dict[str, Any]], bool] = lambda _message: True
+    ) -> None:
+        self._link, self._topic, self._fits = link, topic, fits
+        self._node = ""
+
+    def connect(self) -> None:
+        """Start our node, if it does not run, and register with the master.
+
+        Raises
+        ------
+        CommandError
+            `NOT_DONE` if the master does not answer.
+        CellError
+            If rospy is missing.
+        """
+        self._link.connect()
+
+    def close(self) -> None:
+        """End our node. A later call starts it again."""
+        self._link.close()
+
+    def __enter__(self) -> Self:
+        """Use the device as a context that ends its node."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End our node."""
+        self.close()
+
+    def health(self) -> Health:
+        """Say whether the other side publishes and answers.
+
+        The boot id changes when the master or the other side restarts.
+
+        Raises
+        ------
+        CommandError
+            `NOT_DONE` if the master does not answer.
+        """
+        self.connect()
+        master = self._link.master.identity(HEALTH_TIMEOUT)
+        if not self._node:
+            self._await(Deadline(FIRST_MESSAGE))
+        if not self._node:
+            return Health(False, master, f"nothing arrives on {self._topic}; start what publishes there")
+        uri = self._link.master.node_uri(self._node, HEALTH_TIMEOUT)
+        if uri is None:
+            return Health(False, master, f"the node {self._node} has left the master; start it again")
+        boot_id = f"{master} {uri}"
+        try:
+            return Health(True, f"{boot_id} {node_pid(self._node, uri, HEALTH_TIMEOUT)}")
+        except CommandError as reason:
+            return Health(False, boot_id, str(reason))
+
+    def _await(self, deadline: Deadline, after: int = 0, not_before: float = 0.0) -> News | None:
+        """Return a message of this device beyond number `after`, or None at the deadline."""
+        while True:
+            wait = min(SLICE, deadline.left())
+            values, data = self._link.newest(self._topic, after, wait, not_before)
+            after = values["number"]
+            if values["message"] is not None and self._fits(values["message"]):
+                self._node = values["node"]
+                return News(after, values["stamp"], values["node"], values["message"], data)
+            if deadline.left() == 0.0:
+                return None
+
+    def _publish(self, topic: str, message: dict[str, Any], deadline: Deadline) -> None:
+        """Publish a message, waiting for somebody to listen.
+
+        Raises
+        ------
+        CommandError
+            `NOT_DONE` if nobody listens by the deadline.
+        """
+        while not self._post(topic, message):
+            if deadline.left() == 0.0:
+                raise CommandError(
+                    f"nobody listens to {topic}, expected the device; start it, or mend the topic's name",
+                    Outcome.NOT_DONE,
+                )
+            self._await(Deadline(min(0.05, deadline.left())))
+
+    def _post(self, topic: str, message: dict[str, Any]) -> bool:
+        """Publish a message if anybody listens; return whether somebody does."""
+        return bool(self._link.ask("publish", POST_TIMEOUT, topic=topic, message=message).values["listeners"])
