@@ -1,13 +1,13 @@
 """An arm that takes joint positions."""
 
-from typing import Any
+from threading import Lock
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.ros.joints import distance, told
 from beltsort.cell.ros.ledger import Ledger
 from beltsort.cell.ros1.camera import joints_of
-from beltsort.cell.ros1.commanding import commanding
-from beltsort.cell.ros1.device import HEALTH_TIMEOUT, News, Ros1Device
+from beltsort.cell.ros1.commanding import Post, commanding
+from beltsort.cell.ros1.device import HEALTH_TIMEOUT, News, Ros1Device, emergency_stop
 from beltsort.cell.ros1.link import Deadline, Link
 from beltsort.cell.ros1.options import Ros1ArmOptions
 from beltsort.cell.ros1.standstill import Motion, Standstill
@@ -32,18 +32,28 @@ class Ros1Arm(Ros1Device):
 
     def __init__(self, options: Ros1ArmOptions) -> None:
         self._commanding = commanding(options)
-        subscribe = {options.joint_topic: "sensor_msgs/JointState", **self._commanding.subscribe}
-        link = Link(options, "arm", publish=self._commanding.publish, subscribe=subscribe)
+        states = {options.joint_topic: "sensor_msgs/JointState", **emergency_stop(options)}
+        link = Link(
+            options,
+            "arm",
+            publish=self._commanding.publish,
+            subscribe={**states, **self._commanding.subscribe},
+        )
         self._joints = set().union(*options.taught.values())
         super().__init__(link, options.joint_topic, lambda message: self._joints <= set(message["name"]))
+        self._emergency_stop_topic = options.emergency_stop_topic
         self._options = options
         self._ledger = Ledger()
+        self._posting, self._stopped = Lock(), False
 
     def stop(self) -> None:
         """Tell the arm to stay where it is."""
+        with self._posting:
+            self._stopped = True
         self.connect()
-        news = self._await(Deadline(HEALTH_TIMEOUT))
-        self._publish(*self._commanding.halt(self._own(news)), Deadline(HEALTH_TIMEOUT))
+        deadline = Deadline(HEALTH_TIMEOUT)
+        news = self._await(deadline)
+        self._publish(*self._commanding.halt(self._own(news)), deadline)
 
     def outcome_of(self, command_id: str) -> Outcome:
         """Tell what became of a command, by where the arm stands if its end was not seen."""
@@ -76,7 +86,8 @@ class Ros1Arm(Ros1Device):
         return self._ledger.once("move_to", viewpoint, command_id, lambda: self._move(viewpoint, timeout))
 
     def _move(self, viewpoint: int, timeout: float) -> float:
-        deadline = Deadline(timeout)
+        name, deadline = self._options.viewpoints[viewpoint], Deadline(timeout)
+        self._stopped = False
         self._link.connect(timeout)
         if self._await(deadline) is None:
             raise CommandError(
@@ -84,16 +95,18 @@ class Ros1Arm(Ros1Device):
                 f"{', '.join(sorted(self._joints))}; start the arm",
                 Outcome.NOT_DONE,
             )
-        name = self._options.viewpoints[viewpoint]
-        self._publish(*self._commanding.begin(self._options.taught[name]), deadline)
+        self._check_emergency_stop(deadline, Outcome.NOT_DONE)
+        begin = self._commanding.begin(self._options.taught[name])
+        while not self._command(begin, name, deadline, Outcome.NOT_DONE):
+            self._lie_in_wait(self._commanding.topic, deadline)
         return self._arrival(name, deadline, timeout)
 
     def _arrival(self, name: str, deadline: Deadline, timeout: float) -> float:
         """Return the stamp at which the arm stands still at a viewpoint."""
         watch, news = self._watch(name), None
         while deadline.left() > 0.0:
-            following = self._await(Deadline(min(BEAT, deadline.left())), news.number if news else 0)
-            if (ended := self._commanding.ended(self._link)) is not None:
+            following = self._await(deadline, news.number if news else 0, at_most=BEAT)
+            if (ended := self._commanding.ended(self._link, deadline)) is not None:
                 watch.expect_no_more()
             if following is not None:
                 news = following
@@ -101,10 +114,9 @@ class Ros1Arm(Ros1Device):
                 if motion is Motion.ARRIVED:
                     return news.stamp
                 if motion is Motion.ELSEWHERE:
-                    self._send(*self._commanding.halt(self._own(news)), name)
+                    self._command(self._commanding.halt(self._own(news)), name, deadline, Outcome.UNKNOWN)
                     raise CommandError(self._elsewhere(name, news, ended), Outcome.NOT_DONE)
-            if (repeated := self._commanding.again()) is not None:
-                self._send(*repeated, name)
+            self._keep_going(name, deadline)
         where = told(self._own(news)) if news else "nowhere, no joint states came"
         raise CommandError(
             f"the arm was not seen to arrive at {name!r} within {timeout:g} s (last seen at {where}); look "
@@ -112,14 +124,25 @@ class Ros1Arm(Ros1Device):
             Outcome.UNKNOWN,
         )
 
-    def _send(self, topic: str, message: dict[str, Any], name: str) -> None:
-        """Publish in the course of a motion."""
-        if not self._post(topic, message):
+    def _keep_going(self, name: str, deadline: Deadline) -> None:
+        """Repeat the command if it must be; refuse to go on if the arm must or can not."""
+        self._check_emergency_stop(deadline, Outcome.UNKNOWN)
+        if not self._command(self._commanding.again(), name, deadline, Outcome.UNKNOWN):
             raise CommandError(
-                f"the arm left {topic} on its way to {name!r}, expected it to listen; start it again and "
-                "look where it is",
+                f"nobody listens to {self._commanding.topic} any more on the way to {name!r}, expected it; "
+                "start it again and look where it is",
                 Outcome.UNKNOWN,
             )
+
+    def _command(self, post: Post | None, name: str, deadline: Deadline, outcome: Outcome) -> bool:
+        """Publish unless the arm was told to stop; return whether somebody listens."""
+        with self._posting:
+            if self._stopped:
+                raise CommandError(
+                    f"the arm was told to stop on its way to {name!r}; repeat the command once it may go on",
+                    outcome,
+                )
+            return post is None or self._post(*post, deadline)
 
     def _elsewhere(self, name: str, news: News, ended: str | None) -> str:
         target, joints = self._options.taught[name], self._own(news)
@@ -141,7 +164,7 @@ class Ros1Arm(Ros1Device):
             if motion is Motion.ARRIVED:
                 return Outcome.DONE
             if motion is Motion.ELSEWHERE:
-                over = self._commanding.repeats or self._commanding.ended(self._link) is not None
+                over = self._commanding.repeats or self._commanding.ended(self._link, deadline) is not None
                 return Outcome.NOT_DONE if over else Outcome.UNKNOWN
         return Outcome.UNKNOWN
 

@@ -2,7 +2,7 @@
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.ros.ledger import Ledger
-from beltsort.cell.ros1.device import HEALTH_TIMEOUT, News, Ros1Device
+from beltsort.cell.ros1.device import HEALTH_TIMEOUT, News, Ros1Device, emergency_stop
 from beltsort.cell.ros1.link import Deadline, Link
 from beltsort.cell.ros1.options import Ros1BeltOptions
 from beltsort.errors import CellError
@@ -24,9 +24,10 @@ class Ros1Belt(Ros1Device):
             options,
             "belt",
             publish={options.command_topic: "std_msgs/Int32", options.stop_topic: "std_msgs/Empty"},
-            subscribe={options.state_topic: "std_msgs/Int32"},
+            subscribe={options.state_topic: "std_msgs/Int32", **emergency_stop(options)},
         )
         super().__init__(link, options.state_topic)
+        self._emergency_stop_topic = options.emergency_stop_topic
         self._options = options
         self._ledger = Ledger()
 
@@ -70,6 +71,7 @@ class Ros1Belt(Ros1Device):
             raise CommandError(
                 f"the belt reports nothing on {self._topic} within {timeout:g} s; start it", Outcome.NOT_DONE
             )
+        self._check_emergency_stop(deadline, Outcome.NOT_DONE)
         at = state.message["data"]
         if at > index:
             raise CommandError(
@@ -84,6 +86,7 @@ class Ros1Belt(Ros1Device):
     def _arrival(self, index: int, state: News, deadline: Deadline, timeout: float) -> News:
         while state.message["data"] != index:
             following = self._await(deadline, state.number)
+            self._check_emergency_stop(deadline, Outcome.UNKNOWN)
             if following is None:
                 raise CommandError(
                     f"the belt reported {state.message['data']} last, expected {index} within {timeout:g} s; "

@@ -91,7 +91,7 @@ class Ros1Camera(Ros1Device):
         """Return the pose of the viewpoint at which the arm stands."""
         topic, number = self._options.joint_topic, 0
         while True:
-            values = self._link.newest(topic, number, min(SLICE, deadline.left())).values
+            values = self._link.newest(topic, deadline, after=number, wait=SLICE).values
             number = values["number"]
             joints = {} if values["message"] is None else joints_of(values["message"])
             if all(joints.keys() >= target.keys() for target in self._options.taught.values()):

@@ -4,7 +4,7 @@ from typing import Any, Protocol
 from uuid import uuid4
 
 from beltsort.cell.ros.joints import Joints
-from beltsort.cell.ros1.link import Link
+from beltsort.cell.ros1.link import Deadline, Link
 from beltsort.cell.ros1.options import Ros1ArmOptions
 
 POSITION_MODE = 1
@@ -19,6 +19,8 @@ Post = tuple[str, dict[str, Any]]
 class Commanding(Protocol):
     """How an arm is told where to go."""
 
+    topic: str
+    """Where the arm listens."""
     publish: dict[str, str]
     subscribe: dict[str, str]
     repeats: bool
@@ -33,7 +35,7 @@ class Commanding(Protocol):
     def halt(self, joints: Joints) -> Post:
         """Return what ends any motion of an arm that is at `joints`."""
 
-    def ended(self, link: Link) -> str | None:
+    def ended(self, link: Link, deadline: Deadline) -> str | None:
         """Return what the arm says of how the motion ended; None if it runs, or the arm does not say."""
 
 
@@ -47,7 +49,7 @@ class JointCommands:
     """
 
     def __init__(self, topic: str) -> None:
-        self._topic = topic
+        self.topic = topic
         self.repeats = True
         self.publish = {topic: "baxter_core_msgs/JointCommand"}
         self.subscribe: dict[str, str] = {}
@@ -65,9 +67,9 @@ class JointCommands:
     def halt(self, joints: Joints) -> Post:
         """Return the command to be at `joints`."""
         positions = [float(position) for position in joints.values()]
-        return self._topic, {"mode": POSITION_MODE, "names": list(joints), "command": positions}
+        return self.topic, {"mode": POSITION_MODE, "names": list(joints), "command": positions}
 
-    def ended(self, link: Link) -> None:
+    def ended(self, link: Link, deadline: Deadline) -> None:
         """Tell nothing: only the joint states do."""
 
 
@@ -84,10 +86,11 @@ class TrajectoryAction:
 
     def __init__(self, action: str, seconds: float) -> None:
         self._action, self._seconds = action, seconds
+        self.topic = f"{action}/goal"
         self._goal = ""
         self.repeats = False
         self.publish = {
-            f"{action}/goal": "control_msgs/FollowJointTrajectoryActionGoal",
+            self.topic: "control_msgs/FollowJointTrajectoryActionGoal",
             f"{action}/cancel": "actionlib_msgs/GoalID",
         }
         self.subscribe = {f"{action}/status": "actionlib_msgs/GoalStatusArray"}
@@ -101,7 +104,7 @@ class TrajectoryAction:
             "time_from_start": {"secs": whole, "nsecs": int((self._seconds - whole) * 1e9)},
         }
         trajectory = {"joint_names": list(target), "points": [point]}
-        return f"{self._action}/goal", {"goal_id": {"id": self._goal}, "goal": {"trajectory": trajectory}}
+        return self.topic, {"goal_id": {"id": self._goal}, "goal": {"trajectory": trajectory}}
 
     def again(self) -> None:
         """Return nothing: a goal is given once."""
@@ -110,9 +113,9 @@ class TrajectoryAction:
         """Return the request to cancel every goal."""
         return f"{self._action}/cancel", {"id": ""}
 
-    def ended(self, link: Link) -> str | None:
+    def ended(self, link: Link, deadline: Deadline) -> str | None:
         """Return the goal's status when it has ended."""
-        message = link.newest(f"{self._action}/status", 0, 0.0).values["message"]
+        message = link.newest(f"{self._action}/status", deadline).values["message"]
         for entry in message["status_list"] if message is not None else []:
             if entry["goal_id"]["id"] == self._goal and entry["status"] not in RUNNING:
                 verdict = "succeeded" if entry["status"] == SUCCEEDED else f"failed ({entry['status']})"

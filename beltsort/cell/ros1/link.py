@@ -25,7 +25,7 @@ MASTER_TIMEOUT = 2.0
 START_TIMEOUT = 20.0
 """Seconds for a new node: rospy takes one on an idle computer."""
 
-GRACE = 0.2
+GRACE = 0.5
 """Seconds by which an answer may pass a deadline that the node itself keeps."""
 
 PACKAGES = "sudo apt-get install python3-rospy (Debian 12 and 13 have it)"
@@ -107,9 +107,17 @@ class Link:
             )
         return process.ask(request, timeout, **arguments)
 
-    def newest(self, topic: str, after: int, wait: float, not_before: float = 0.0) -> Answer:
-        """Wait for a message of `topic` beyond number `after`; its "message" is None if none came."""
-        return self.ask("newest", wait + GRACE, topic=topic, after=after, wait=wait, not_before=not_before)
+    def newest(
+        self, topic: str, deadline: "Deadline", *, after: int = 0, wait: float = 0.0, not_before: float = 0.0
+    ) -> Answer:
+        """Return the newest message of `topic` beyond number `after`; its "message" is None if none came.
+
+        Waits for it, at most to the deadline. A message with a stamp earlier than `not_before` comes without
+        its bytes.
+        """
+        left = deadline.left()
+        asked = {"topic": topic, "after": after, "wait": min(wait, left), "not_before": not_before}
+        return self.ask("newest", left + GRACE, **asked)
 
     def close(self) -> None:
         """End the node."""

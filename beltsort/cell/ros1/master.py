@@ -5,7 +5,7 @@ from http.client import HTTPConnection, HTTPException
 from typing import Any, TypeVar
 from xmlrpc.client import Error, ServerProxy, Transport
 
-from beltsort.cell.commands import CommandError, Outcome
+from beltsort.cell.commands import CommandError, Outcome, within
 
 Result = TypeVar("Result")
 
@@ -75,11 +75,15 @@ def node_pid(name: str, uri: str, timeout: float) -> int:
 
 def _call(uri: str, who: str, timeout: float, ask: Callable[[Any], Result]) -> Result:
     try:
-        with ServerProxy(uri, transport=_Deadline(timeout)) as proxy:
-            return ask(proxy)
-    except (OSError, Error, HTTPException, LookupError, TypeError, ValueError) as reason:
+        return within(timeout, f"asking {who}", lambda: _asked(uri, timeout, ask))
+    except (CommandError, OSError, Error, HTTPException, LookupError, TypeError, ValueError) as reason:
         raise CommandError(
             f"{who} at {uri} does not answer ({type(reason).__name__}: {reason}), expected an answer within "
             f"{timeout:g} s; start it, or mend its address",
             Outcome.NOT_DONE,
         ) from reason
+
+
+def _asked(uri: str, timeout: float, ask: Callable[[Any], Result]) -> Result:
+    with ServerProxy(uri, transport=_Deadline(timeout)) as proxy:
+        return ask(proxy)

@@ -28,6 +28,19 @@ class Ros1Options:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Ros1ActuatorOptions(Ros1Options):
+    """What arm and belt have in common.
+
+    Attributes
+    ----------
+    emergency_stop_topic
+        std_msgs/Bool, latched or repeated: whether the emergency stop is pressed. Empty: nothing tells.
+    """
+
+    emergency_stop_topic: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Ros1CameraOptions(Ros1Options):
     """A camera that publishes point clouds, and how its pose is known.
 
@@ -79,7 +92,7 @@ class Ros1CameraOptions(Ros1Options):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ros1ArmOptions(Ros1Options):
+class Ros1ArmOptions(Ros1ActuatorOptions):
     """An arm that reports its joints and takes joint positions.
 
     Attributes
@@ -129,7 +142,7 @@ class Ros1ArmOptions(Ros1Options):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ros1BeltOptions(Ros1Options):
+class Ros1BeltOptions(Ros1ActuatorOptions):
     """A belt that counts.
 
     Attributes

@@ -2,7 +2,7 @@
 
 {"cloud": "good" | "stale" | "empty" | "nan" | "truncated" | "silent" | "frame"}, {"offset": radians},
 {"speed": radians a second}, {"verdict": GoalStatus},
-{"travel": seconds of the belt}
+{"travel": seconds of the belt}, {"emergency": whether the emergency stop is pressed}
 """
 
 import json
@@ -16,7 +16,7 @@ import numpy as np
 
 from beltsort.cell.ros.clouds import packed
 from beltsort.cell.ros1.messages import message_class
-from tests.cell.ros1.scene import ACTION, BELT, CLOUDS, COMMAND, HOME, JOINTS, POINTS, Settings
+from tests.cell.ros1.scene import ACTION, BELT, CLOUDS, COMMAND, EMERGENCY, HOME, JOINTS, POINTS, Settings
 
 rospy: Any = import_module("rospy")
 BEAT = 0.02
@@ -35,6 +35,7 @@ class Peer:
         self.states = advertise(JOINTS, message_class("sensor_msgs/JointState"), queue_size=10)
         self.belt = advertise(f"{BELT}/object", message_class("std_msgs/Int32"), queue_size=10)
         self.tf = advertise("/tf", message_class("tf2_msgs/TFMessage"), queue_size=10)
+        self.emergency = advertise(EMERGENCY, message_class("std_msgs/Bool"), queue_size=1)
         goal_states = message_class("actionlib_msgs/GoalStatusArray")
         self.status = advertise(f"{ACTION}/status", goal_states, queue_size=1)
         hear = rospy.Subscriber
@@ -73,6 +74,7 @@ class Peer:
         self.states.publish(self.joint_state({"gripper": 0.0}))
         self.states.publish(self.joint_state(self.joints))
         self.tf.publish(self.transforms())
+        self.emergency.publish(self.settings.emergency)
         self.belt.publish(self.object if time.monotonic() >= self.arrives else -1)
         if n % 5 == 0:
             self.status.publish(self.goal_states())

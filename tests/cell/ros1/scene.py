@@ -7,7 +7,7 @@ import numpy as np
 from beltsort.cell.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions
 
 CLOUDS, JOINTS, COMMAND = "/camera/points", "/robot/joint_states", "/robot/limb/right/joint_command"
-ACTION, BELT = "/arm/follow_joint_trajectory", "/belt"
+ACTION, BELT, EMERGENCY = "/arm/follow_joint_trajectory", "/belt", "/emergency_stop"
 
 HOME = {"shoulder": 0.0, "elbow": 0.0}
 TAUGHT = {"p1": {"shoulder": 0.3, "elbow": -0.2}, "p2": {"shoulder": -0.3, "elbow": 0.4}}
@@ -24,6 +24,7 @@ class Settings:
     speed: float = 5.0
     verdict: int = 3
     travel: float = 0.15
+    emergency: bool = False
 
 
 def camera_by_tf(master: str) -> Ros1CameraOptions:
@@ -46,9 +47,10 @@ def arm(master: str, *, action: bool = False) -> Ros1ArmOptions:
         action=ACTION if action else "",
         seconds=0.2,
         still=0.1,
-        stalled=0.4,
+        stalled=0.3,
+        emergency_stop_topic=EMERGENCY,
     )
 
 
 def belt(master: str) -> Ros1BeltOptions:
-    return Ros1BeltOptions(master=master)
+    return Ros1BeltOptions(master=master, emergency_stop_topic=EMERGENCY)

@@ -1,5 +1,6 @@
 """An arm on ROS 1, by joint commands and by an action."""
 
+import threading
 import time
 from collections.abc import Iterator
 from uuid import uuid4
@@ -105,3 +106,17 @@ def test_too_slow_and_stopped(rig: Rig, either: Ros1Arm) -> None:
     with pytest.raises(CommandError, match="index from 0 to 1"):
         either.move_to(-1, an_id())
     assert either.outcome_of(one) is not Outcome.DONE
+
+
+def test_a_stop_from_another_thread_ends_the_motion(rig: Rig, either: Ros1Arm) -> None:
+    either.move_to(0, an_id(), timeout=10.0)
+    rig.tell(speed=0.1)
+    time.sleep(0.1)
+    one = an_id()
+    threading.Timer(0.3, either.stop).start()
+    with pytest.raises(CommandError, match="told to stop on its way to 'p2'") as error:
+        either.move_to(1, one, timeout=10.0)
+    assert error.value.outcome is Outcome.UNKNOWN
+    rig.tell()
+    assert either.outcome_of(one) is not Outcome.DONE
+    assert either.move_to(1, one, timeout=10.0) > 0.0

@@ -1,5 +1,6 @@
 """Scans from a camera on ROS 1."""
 
+import dataclasses
 import time
 
 import numpy as np
@@ -69,3 +70,11 @@ def test_hung_past_the_deadline(rig: Rig, camera: Ros1Camera) -> None:
 def test_misuse(camera: Ros1Camera) -> None:
     with pytest.raises(CellError, match="not_before is nan"):
         camera.scan(not_before=float("nan"))
+
+
+def test_a_world_that_tf_does_not_know(rig: Rig) -> None:
+    options = dataclasses.replace(scene.camera_by_tf(rig.uri), world_frame="moon")
+    with Ros1Camera(options) as camera:
+        camera.connect()
+        with pytest.raises(CommandError, match="no transforms lead from 'optical' to 'moon'"):
+            camera.scan(not_before=0.0, timeout=0.5)

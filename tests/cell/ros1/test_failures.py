@@ -1,5 +1,6 @@
 """What is killed, frozen or restarted in the middle, and what the devices then say."""
 
+import dataclasses
 import os
 import signal
 import subprocess
@@ -11,7 +12,7 @@ from uuid import uuid4
 
 import pytest
 
-from beltsort.cell import CommandError, Outcome
+from beltsort.cell import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
 from beltsort.errors import CellError
 from tests.cell.ros1 import scene
@@ -38,7 +39,7 @@ def test_killed_mid_command_and_restarted(rig: Rig, arm: Ros1Arm) -> None:
     one = an_id()
     threading.Timer(SOON, rig.kill, [rig.peer]).start()
     with pytest.raises(
-        CommandError, match=r"left /robot/limb/right/joint_command on its way to 'p2'"
+        CommandError, match=r"nobody listens to /robot/limb/right/joint_command any more on the way to 'p2'"
     ) as error:
         arm.move_to(1, one, timeout=10.0)
     assert error.value.outcome is arm.outcome_of(one) is Outcome.UNKNOWN
@@ -105,7 +106,7 @@ def test_our_own_node_frozen_or_killed(rig: Rig) -> None:
         camera.connect()
         (node,) = set(own_nodes()) - set(before)
         os.kill(node, signal.SIGSTOP)
-        with pytest.raises(CommandError, match=r"did not answer \(newest\)"):
+        with pytest.raises(CommandError, match=r"did not answer \(newest\) within"):
             camera.scan(not_before=0.0, timeout=0.5)
         os.kill(node, signal.SIGCONT)
         assert camera.scan(not_before=time.time(), timeout=10.0).frame == "optical"
@@ -117,6 +118,7 @@ def test_our_own_node_frozen_or_killed(rig: Rig) -> None:
 
 def test_our_node_ends_with_us(rig: Rig) -> None:
     script = f"""
+import dataclasses
 import os
 from beltsort.cell.ros1 import Ros1Belt, Ros1BeltOptions
 Ros1Belt(Ros1BeltOptions(master={rig.uri!r})).connect()
@@ -158,3 +160,34 @@ def test_a_start_that_hangs(rig: Rig, tmp_path: Path, monkeypatch: pytest.Monkey
         Ros1Belt(scene.belt(rig.uri)).advance_to(1, "one", timeout=0.5)
     assert error.value.outcome is Outcome.NOT_DONE
     assert own_nodes() == before
+
+
+def test_the_emergency_stop(rig: Rig, arm: Ros1Arm, belt: Ros1Belt) -> None:
+    arm.move_to(0, an_id(), timeout=10.0)
+    rig.tell(speed=0.1)
+    time.sleep(0.1)
+    threading.Timer(SOON, rig.tell, kwargs={"emergency": True}).start()
+    with pytest.raises(EmergencyStopError) as error:
+        arm.move_to(1, an_id(), timeout=10.0)
+    assert error.value.outcome is Outcome.UNKNOWN
+    with pytest.raises(EmergencyStopError, match="release it at the cell") as error:
+        arm.move_to(0, an_id())
+    assert error.value.outcome is Outcome.NOT_DONE
+    with pytest.raises(EmergencyStopError) as error:
+        belt.advance_to(10**7, an_id())
+    assert error.value.outcome is Outcome.NOT_DONE
+    for device in (arm, belt):
+        health = device.health()
+        assert (health.ready, health.emergency_stop) == (False, True)
+    rig.tell()
+    time.sleep(0.1)
+    assert arm.move_to(0, an_id(), timeout=10.0) > 0.0
+
+
+def test_an_emergency_stop_that_nothing_tells(rig: Rig) -> None:
+    options = dataclasses.replace(scene.arm(rig.uri), emergency_stop_topic="/silent")
+    with Ros1Arm(options) as arm:
+        arm.connect()
+        with pytest.raises(CommandError, match="nothing on /silent tells") as error:
+            arm.move_to(0, an_id(), timeout=0.5)
+        assert error.value.outcome is Outcome.NOT_DONE
