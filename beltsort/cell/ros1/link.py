@@ -28,7 +28,7 @@ START_TIMEOUT = 20.0
 GRACE = 0.5
 """Seconds by which an answer may pass a deadline that the node itself keeps."""
 
-PACKAGES = "sudo apt-get install python3-rospy (Debian 12 and 13 have it)"
+PACKAGES = "on Debian, run scripts/bootstrap, or sudo apt-get install python3-rospy python3-tf2-msgs"
 
 
 class Answer(NamedTuple):
