@@ -40,8 +40,12 @@ class Ros1Arm(Ros1Device):
             subscribe={**states, **self._commanding.subscribe},
         )
         self._joints = set().union(*options.taught.values())
-        super().__init__(link, options.joint_topic, lambda message: self._joints <= set(message["name"]))
-        self._emergency_stop_topic = options.emergency_stop_topic
+        super().__init__(
+            link,
+            options.joint_topic,
+            fits=lambda message: self._joints <= set(message["name"]),
+            emergency_stop_topic=options.emergency_stop_topic,
+        )
         self._options = options
         self._ledger = Ledger()
         self._posting, self._stopped = Lock(), False

@@ -26,8 +26,7 @@ class Ros1Belt(Ros1Device):
             publish={options.command_topic: "std_msgs/Int32", options.stop_topic: "std_msgs/Empty"},
             subscribe={options.state_topic: "std_msgs/Int32", **emergency_stop(options)},
         )
-        super().__init__(link, options.state_topic)
-        self._emergency_stop_topic = options.emergency_stop_topic
+        super().__init__(link, options.state_topic, emergency_stop_topic=options.emergency_stop_topic)
         self._options = options
         self._ledger = Ledger()
 

@@ -44,13 +44,21 @@ class Ros1Device:
         What the device publishes of itself.
     fits
         Tells whether a message on the topic is of this device: others may publish there, too.
+    emergency_stop_topic
+        Tells whether the emergency stop is pressed; empty: nothing does.
     """
 
     def __init__(
-        self, link: Link, topic: str, fits: Callable[[dict[str, Any]], bool] = lambda _message: True
+        self,
+        link: Link,
+        topic: str,
+        *,
+        fits: Callable[[dict[str, Any]], bool] = lambda _message: True,
+        emergency_stop_topic: str = "",
     ) -> None:
         self._link, self._topic, self._fits = link, topic, fits
-        self._node = self._emergency_stop_topic = ""
+        self._emergency_stop_topic = emergency_stop_topic
+        self._node = ""
 
     def connect(self) -> None:
         """Start our node, if it does not run, and register with the master.

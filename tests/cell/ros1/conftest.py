@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from beltsort.cell import CommandError
+from beltsort.cell import CommandError, within
 from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
 from beltsort.cell.ros1.master import Master
 from tests.cell.ros1 import scene
@@ -57,7 +57,7 @@ class Rig:
     def start_peer(self) -> subprocess.Popen[str]:
         self.peer = self._start("-m", "tests.cell.ros1.peer")
         assert self.peer.stdout is not None
-        assert self.peer.stdout.readline() == "ready\n"
+        assert within(START_TIMEOUT, "the peer's start", self.peer.stdout.readline) == "ready\n"
         return self.peer
 
     def tell(self, **settings: Any) -> None:
@@ -97,10 +97,11 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
         lacking = "rospy or rosmaster is missing; scripts/bootstrap installs them where apt has them"
         (pytest.fail if os.environ.get("CI") else pytest.skip)(lacking)
     directory = tmp_path_factory.mktemp("ros")
-    os.environ["ROS_LOG_DIR"] = str(directory)
-    rig = Rig(directory)
-    yield rig
-    rig.close()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_LOG_DIR", str(directory))
+        rig = Rig(directory)
+        yield rig
+        rig.close()
 
 
 @pytest.fixture

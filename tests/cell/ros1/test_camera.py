@@ -43,10 +43,10 @@ def test_the_pose_is_the_taught_one_where_the_arm_stands(rig: Rig, arm: Ros1Arm)
 )
 def test_an_unusable_cloud_is_waited_out(rig: Rig, camera: Ros1Camera, cloud: str, said: str) -> None:
     rig.tell(cloud=cloud)
-    time.sleep(0.3)
+    time.sleep(0.15)
     now = time.time()
     with pytest.raises(CommandError, match=said) as error:
-        camera.scan(not_before=now, timeout=0.4)
+        camera.scan(not_before=now, timeout=0.3)
     assert error.value.outcome is Outcome.NOT_DONE
     rig.tell(cloud="good")
     assert camera.scan(not_before=now, timeout=10.0).stamp >= now
