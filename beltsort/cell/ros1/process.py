@@ -56,6 +56,7 @@ class NodeProcess:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 env=_environment(options),
+                start_new_session=True,  # Control-C is for us: stopping a device needs its node
             )
         self._connection = Connection(ours.detach())
         self._sending, self._numbers = Lock(), count(1)

@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 SCRIPT = """
-import sys, beltsort, beltsort.cell, beltsort.cell.replay
+import sys, beltsort, beltsort.cell, beltsort.cell.replay, beltsort.cell.ros1
 print(*sorted({"rosbags", "rospy", "genpy", "open3d"} & set(sys.modules)))
 """
 

@@ -105,6 +105,7 @@ def test_our_own_node_frozen_or_killed(rig: Rig) -> None:
     with Ros1Camera(scene.camera_by_tf(rig.uri)) as camera:
         camera.connect()
         (node,) = set(own_nodes()) - set(before)
+        assert os.getpgid(node) != os.getpgid(0)  # Control-C passes it by
         os.kill(node, signal.SIGSTOP)
         with pytest.raises(CommandError, match=r"did not answer \(newest\) within"):
             camera.scan(not_before=0.0, timeout=0.5)
