@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from beltsort.cell.ros.checks import check_positive, check_taught
 from beltsort.cell.ros.joints import Joints
 from beltsort.errors import CellError
 
@@ -63,6 +64,8 @@ class ReplayOptions:
                 f"joint_topic is {self.joint_topic!r} and taught names {sorted(self.taught)}; give both to "
                 "tell viewpoints by joint states, or none"
             )
+        check_positive(self, "pose_age", "tolerance")
+        check_taught(self.taught)
         if self.taught and set(self.taught) != set(self.viewpoints):
             raise CellError(
                 f"taught names {sorted(self.taught)}, expected the viewpoints {sorted(self.viewpoints)}; "

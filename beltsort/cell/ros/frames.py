@@ -11,7 +11,7 @@ from beltsort.geometry import Pose
 HISTORY = 10.0
 """Seconds that a transform is kept."""
 
-QUATERNION_SLACK = 1e-2
+QUATERNION_SLACK = 1e-3
 """How far from 1 the length of a quaternion may be."""
 
 

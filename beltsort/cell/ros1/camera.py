@@ -6,6 +6,7 @@ import numpy as np
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import Scan
+from beltsort.cell.ros.checks import check_pose
 from beltsort.cell.ros.clouds import Cloud, points_of
 from beltsort.cell.ros.joints import standing_at, told
 from beltsort.cell.ros1.device import SLICE, News, Ros1Device
@@ -98,7 +99,7 @@ class Ros1Camera(Ros1Device):
                 name = standing_at(self._options.taught, joints, self._options.tolerance)
                 if name is None:
                     raise CellError(f"the arm stands at no viewpoint ({told(joints)}); move it to one")
-                return np.array(self._options.poses[name], dtype=np.float64)
+                return check_pose(name, self._options.poses[name])
             if deadline.left() == 0.0:
                 raise CellError(f"{topic} does not tell where the arm stands; start what publishes there")
 

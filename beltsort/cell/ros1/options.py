@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from beltsort.cell.ros.checks import check_pose, check_positive, check_taught
 from beltsort.cell.ros.joints import Joints
 from beltsort.errors import CellError
 
@@ -89,6 +90,10 @@ class Ros1CameraOptions(Ros1Options):
                 f"poses names {sorted(self.poses)}, expected the viewpoints of taught, "
                 f"{sorted(self.taught)}; give the camera's pose at each"
             )
+        check_positive(self, "pose_age", "tolerance")
+        check_taught(self.taught)
+        for name, rows in self.poses.items():
+            check_pose(f"poses.{name}", rows)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,7 +139,9 @@ class Ros1ArmOptions(Ros1ActuatorOptions):
                 f"joint_command_topic is {self.joint_command_topic!r} and action {self.action!r}; give the "
                 "one that the arm listens to"
             )
-        if set(self.taught) != set(self.viewpoints) or not all(self.taught.values()):
+        check_positive(self, "seconds", "tolerance", "still", "stalled")
+        check_taught(self.taught)
+        if set(self.taught) != set(self.viewpoints):
             raise CellError(
                 f"taught names {sorted(self.taught)}, expected joints for each of the viewpoints "
                 f"{sorted(self.viewpoints)}; teach each"

@@ -3,6 +3,7 @@
 import dataclasses
 from typing import Any
 
+import numpy as np
 import pytest
 
 from beltsort.cell.ros1.options import Ros1ArmOptions, Ros1CameraOptions
@@ -28,6 +29,7 @@ MASTER = "http://127.0.0.1:11311"
             },
             r"poses names \['p1'\], expected the viewpoints of taught, \['p1', 'p2'\]",
         ),
+        ({"pose_age": 0.0}, "pose_age is 0.0, expected above 0"),
     ],
 )
 def test_a_camera_whose_pose_is_not_known_or_twice(changes: dict[str, Any], said: str) -> None:
@@ -42,13 +44,32 @@ def test_a_camera_whose_pose_is_not_known_or_twice(changes: dict[str, Any], said
         ({"action": "/arm"}, "give the one that the arm listens to"),
         ({"joint_command_topic": ""}, "give the one"),
         ({"viewpoints": ("p1", "p3")}, r"expected joints for each of the viewpoints \['p1', 'p3'\]"),
-        ({"taught": {**scene.TAUGHT, "p2": {}}}, "teach each"),
+        ({"taught": {**scene.TAUGHT, "p2": {}}}, r"taught.p2 is \{\}, .* \['elbow', 'shoulder'\]"),
+        ({"taught": {**scene.TAUGHT, "p2": {"elbow": float("nan"), "shoulder": 0.0}}}, "taught.p2 is"),
+        ({"stalled": float("nan")}, "stalled is nan"),
     ],
 )
 def test_an_arm_that_cannot_be_commanded(changes: dict[str, Any], said: str) -> None:
     options: Ros1ArmOptions = scene.arm(MASTER)
     with pytest.raises(CellError, match=said):
         dataclasses.replace(options, **changes)
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        [[1.0, 0.0], [0.0, 1.0]],
+        [[1.0]],
+        [[1.0, 0.0, 0.0, 0.0], [0.0]],
+        (-np.eye(4)).tolist(),
+        (2.0 * np.eye(4)).tolist(),
+        np.diag([1.0, 1.0, -1.0, 1.0]).tolist(),
+        np.full((4, 4), np.nan).tolist(),
+    ],
+)
+def test_poses_that_are_none(rows: list[list[float]]) -> None:
+    with pytest.raises(CellError, match=r"poses.p2 is .*, expected a rigid transform"):
+        dataclasses.replace(scene.camera_by_joints(MASTER), poses={**scene.POSES, "p2": rows})
 
 
 def seen(*states: tuple[float, float]) -> list[Motion]:
