@@ -237,7 +237,7 @@ def test_options_that_do_not_fit(changes: dict[str, Any], said: str) -> None:
 
 @pytest.mark.parametrize("form", bags.FORMATS)
 def test_memory_does_not_grow_with_the_record(form: str, tmp_path: Path) -> None:
-    scans, image = 60, np.full((100, 200, 3), 0.5)  # 240 kB each
+    scans, image = 40, np.full((100, 200, 3), 0.5)  # 240 kB each
 
     def record() -> Iterator[bags.Message]:
         yield bags.stop(0.0, "/viewpoint", "p1")
