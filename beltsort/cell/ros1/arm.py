@@ -32,18 +32,18 @@ class Ros1Arm(Ros1Device):
 
     def __init__(self, options: Ros1ArmOptions) -> None:
         self._commanding = commanding(options)
+        self._joints = set(options.taught[options.viewpoints[0]])
         states = {options.joint_topic: "sensor_msgs/JointState", **emergency_stop(options)}
         link = Link(
             options,
             "arm",
             publish=self._commanding.publish,
             subscribe={**states, **self._commanding.subscribe},
+            joints=self._joints,
         )
-        self._joints = set().union(*options.taught.values())
         super().__init__(
             link,
             options.joint_topic,
-            fits=lambda message: self._joints <= set(message["name"]),
             emergency_stop_topic=options.emergency_stop_topic,
         )
         self._options = options

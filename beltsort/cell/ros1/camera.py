@@ -34,6 +34,7 @@ class Ros1Camera(Ros1Device):
             options,
             "camera",
             subscribe={options.topic: "sensor_msgs/PointCloud2", **joints},
+            joints=next(iter(options.taught.values()), ()),
             tf=bool(options.world_frame),
             pose_age=options.pose_age,
         )
@@ -90,18 +91,15 @@ class Ros1Camera(Ros1Device):
 
     def _taught_pose(self, deadline: Deadline) -> Pose:
         """Return the pose of the viewpoint at which the arm stands."""
-        topic, number = self._options.joint_topic, 0
-        while True:
-            values = self._link.newest(topic, deadline, after=number, wait=SLICE).values
-            number = values["number"]
-            joints = {} if values["message"] is None else joints_of(values["message"])
-            if all(joints.keys() >= target.keys() for target in self._options.taught.values()):
-                name = standing_at(self._options.taught, joints, self._options.tolerance)
-                if name is None:
-                    raise CellError(f"the arm stands at no viewpoint ({told(joints)}); move it to one")
-                return check_pose(name, self._options.poses[name])
-            if deadline.left() == 0.0:
-                raise CellError(f"{topic} does not tell where the arm stands; start what publishes there")
+        topic = self._options.joint_topic
+        message = self._link.newest(topic, deadline, wait=deadline.left()).values["message"]
+        if message is None:
+            raise CellError(f"{topic} does not tell where the arm stands; start what publishes there")
+        joints = joints_of(message)
+        name = standing_at(self._options.taught, joints, self._options.tolerance)
+        if name is None:
+            raise CellError(f"the arm stands at no viewpoint ({told(joints)}); move it to one")
+        return check_pose(name, self._options.poses[name])
 
 
 def joints_of(message: dict[str, Any]) -> dict[str, float]:

@@ -1,7 +1,6 @@
 """What camera, arm and belt have in common: a node, and a topic by which the other side shows itself."""
 
 import time
-from collections.abc import Callable
 from typing import Any, NamedTuple, Self
 
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
@@ -42,21 +41,12 @@ class Ros1Device:
         The way to our node.
     topic
         What the device publishes of itself.
-    fits
-        Tells whether a message on the topic is of this device: others may publish there, too.
     emergency_stop_topic
         Tells whether the emergency stop is pressed; empty: nothing does.
     """
 
-    def __init__(
-        self,
-        link: Link,
-        topic: str,
-        *,
-        fits: Callable[[dict[str, Any]], bool] = lambda _message: True,
-        emergency_stop_topic: str = "",
-    ) -> None:
-        self._link, self._topic, self._fits = link, topic, fits
+    def __init__(self, link: Link, topic: str, *, emergency_stop_topic: str = "") -> None:
+        self._link, self._topic = link, topic
         self._emergency_stop_topic = emergency_stop_topic
         self._node = ""
 
@@ -66,9 +56,7 @@ class Ros1Device:
         Raises
         ------
         CommandError
-            `NOT_DONE` if the master does not answer.
-        CellError
-            If rospy is missing.
+            `NOT_DONE` if the master does not answer, our node does not start, or rospy is missing.
         """
         self._link.connect()
 
@@ -139,7 +127,7 @@ class Ros1Device:
                 self._topic, deadline, after=after, wait=wait, not_before=not_before
             )
             after = values["number"]
-            if values["message"] is not None and self._fits(values["message"]):
+            if values["message"] is not None:
                 self._node = values["node"]
                 return News(after, values["stamp"], values["node"], values["message"], data)
             if end.left() == 0.0:

@@ -1,6 +1,7 @@
 """The way to a node in another process: deadlines, and starting it anew."""
 
 import time
+from collections.abc import Iterable
 from threading import RLock
 from typing import Any
 from uuid import uuid4
@@ -48,6 +49,8 @@ class Link:
         Part of the node's name.
     publish, subscribe
         Message type of each topic.
+    joints
+        Joint states that do not name all of these are passed over.
     tf
         Whether to listen to tf.
     pose_age
@@ -61,12 +64,14 @@ class Link:
         *,
         publish: dict[str, str] | None = None,
         subscribe: dict[str, str] | None = None,
+        joints: Iterable[str] = (),
         tf: bool = False,
         pose_age: float = 0.2,
     ) -> None:
         self.master = Master(options.master)
         self._options, self._role = options, role
-        self._setup = {"publish": publish or {}, "subscribe": subscribe or {}, "tf": tf, "pose_age": pose_age}
+        topics = {"publish": publish or {}, "subscribe": subscribe or {}}
+        self._setup = {**topics, "joints": sorted(joints), "tf": tf, "pose_age": pose_age}
         self._lock = RLock()
         self._process: NodeProcess | None = None
 
@@ -76,9 +81,7 @@ class Link:
         Raises
         ------
         CommandError
-            `NOT_DONE` if the master does not answer, or the node does not start.
-        CellError
-            If rospy is missing.
+            `NOT_DONE` if the master does not answer, the node does not start, or rospy is missing.
         """
         with self._lock:
             running, asking = self._process, min(MASTER_TIMEOUT, timeout)

@@ -24,19 +24,31 @@ GOODBYE = 1.0
 RECEIVE_BUFFER = 2**25
 """Bytes; rospy drops old messages only if a whole one fits in here."""
 
+JOINT_STATE, CLOUD = "sensor_msgs/JointState", "sensor_msgs/PointCloud2"
+QUEUE = 100
+"""Messages other than clouds that may wait to be looked at; of clouds only the newest counts."""
+
 
 class Mailbox:
-    """The newest message of a topic."""
+    """The newest message of a topic; of joint states, the newest that names certain joints."""
 
-    def __init__(self, rospy: Any, topic: str, kind: str) -> None:
+    def __init__(self, rospy: Any, topic: str, kind: str, joints: set[str]) -> None:
         self._clock: Callable[[], float] = rospy.get_time
+        self._joints = joints if kind == JOINT_STATE else set()
         self._arrival = threading.Condition()
         self._newest: tuple[int, float, Any] = (0, 0.0, None)
         rospy.Subscriber(
-            topic, message_class(kind), self._take, queue_size=1, buff_size=RECEIVE_BUFFER, tcp_nodelay=True
+            topic,
+            message_class(kind),
+            self._take,
+            queue_size=1 if kind == CLOUD else QUEUE,
+            buff_size=RECEIVE_BUFFER,
+            tcp_nodelay=True,
         )
 
     def _take(self, message: Any) -> None:
+        if self._joints and not self._joints <= set(message.name):
+            return  # of another part of the robot
         with self._arrival:
             self._newest = (self._newest[0] + 1, self._clock(), message)
             self._arrival.notify_all()
@@ -62,11 +74,14 @@ class Node:
             topic: rospy.Publisher(topic, message_class(kind), queue_size=10, tcp_nodelay=True)
             for topic, kind in setup["publish"].items()
         }
-        self._mailboxes = {topic: Mailbox(rospy, topic, kind) for topic, kind in setup["subscribe"].items()}
+        joints = set(setup["joints"])
+        self._mailboxes = {
+            topic: Mailbox(rospy, topic, kind, joints) for topic, kind in setup["subscribe"].items()
+        }
         if setup["tf"]:
             transforms = message_class("tf2_msgs/TFMessage")
-            rospy.Subscriber("/tf", transforms, self._moved, queue_size=100)
-            rospy.Subscriber("/tf_static", transforms, self._fixed, queue_size=100)
+            rospy.Subscriber("/tf", transforms, self._moved, queue_size=QUEUE)
+            rospy.Subscriber("/tf_static", transforms, self._fixed, queue_size=QUEUE)
 
     def newest(self, topic: str, after: int, wait: float, not_before: float) -> tuple[dict[str, Any], bytes]:
         """Return the newest message beyond number `after`, and its bytes if it is not stale."""

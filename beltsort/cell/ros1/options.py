@@ -141,7 +141,7 @@ class Ros1ArmOptions(Ros1ActuatorOptions):
             )
         check_positive(self, "seconds", "tolerance", "still", "stalled")
         check_taught(self.taught)
-        if set(self.taught) != set(self.viewpoints):
+        if set(self.taught) != set(self.viewpoints) or not self.viewpoints:
             raise CellError(
                 f"taught names {sorted(self.taught)}, expected joints for each of the viewpoints "
                 f"{sorted(self.viewpoints)}; teach each"

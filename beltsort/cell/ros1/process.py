@@ -41,9 +41,7 @@ class NodeProcess:
     Raises
     ------
     CommandError
-        `NOT_DONE` if it does not start in time.
-    CellError
-        If rospy is missing.
+        `NOT_DONE` if it does not start in time, or rospy is missing.
     """
 
     def __init__(self, options: Ros1Options, setup: dict[str, Any], timeout: float) -> None:
@@ -71,7 +69,10 @@ class NodeProcess:
             raise
         if "missing" in started:
             self.end()
-            raise CellError(f"ROS 1 needs rospy, which cannot be loaded ({started['missing']}); {PACKAGES}")
+            raise CommandError(
+                f"ROS 1 needs rospy, which cannot be loaded ({started['missing']}); {PACKAGES}",
+                Outcome.NOT_DONE,
+            )
         self.uri: str = started["uri"]
 
     def _started(self, ready: "Future[Answer]", timeout: float) -> dict[str, Any]:

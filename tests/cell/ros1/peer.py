@@ -71,8 +71,8 @@ class Peer:
         arrived = self.joints == self.target
         if arrived and self.goal is not None:
             self.verdict = self.settings.verdict
-        self.states.publish(self.joint_state({"gripper": 0.0}))
         self.states.publish(self.joint_state(self.joints))
+        self.states.publish(self.joint_state({"gripper": 0.0}))
         self.tf.publish(self.transforms())
         self.emergency.publish(self.settings.emergency)
         self.belt.publish(self.object if time.monotonic() >= self.arrives else -1)

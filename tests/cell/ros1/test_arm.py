@@ -98,10 +98,13 @@ def test_a_stop_from_another_thread_ends_the_motion(rig: Rig, either: Ros1Arm) -
     rig.tell(speed=0.1)
     time.sleep(0.1)
     one = an_id()
-    threading.Timer(0.3, either.stop).start()
+    stopping = threading.Timer(0.3, either.stop)
+    stopping.start()
     with pytest.raises(CommandError, match="told to stop on its way to 'p2'") as error:
         either.move_to(1, one, timeout=10.0)
     assert error.value.outcome is Outcome.UNKNOWN
+    stopping.join(10.0)
+    time.sleep(0.1)
     rig.tell()
     assert either.outcome_of(one) is not Outcome.DONE
     assert either.move_to(1, one, timeout=10.0) > 0.0

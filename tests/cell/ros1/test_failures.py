@@ -14,7 +14,6 @@ import pytest
 
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
-from beltsort.errors import CellError
 from tests.cell.ros1 import scene
 from tests.cell.ros1.conftest import Rig, free_port
 
@@ -147,7 +146,7 @@ def test_without_a_master() -> None:
 def test_without_rospy(rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "rospy.py").write_text("raise ImportError('no rospy here')\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(CellError, match=r"\(no rospy here\); .*apt-get install .*python3-rospy"):
+    with pytest.raises(CommandError, match=r"\(no rospy here\); .*apt-get install .*python3-rospy"):
         Ros1Belt(scene.belt(rig.uri)).connect()
 
 

@@ -47,6 +47,7 @@ def test_a_camera_whose_pose_is_not_known_or_twice(changes: dict[str, Any], said
         ({"taught": {**scene.TAUGHT, "p2": {}}}, r"taught.p2 is \{\}, .* \['elbow', 'shoulder'\]"),
         ({"taught": {**scene.TAUGHT, "p2": {"elbow": float("nan"), "shoulder": 0.0}}}, "taught.p2 is"),
         ({"stalled": float("nan")}, "stalled is nan"),
+        ({"viewpoints": (), "taught": {}}, r"expected joints for each of the viewpoints \[\]"),
     ],
 )
 def test_an_arm_that_cannot_be_commanded(changes: dict[str, Any], said: str) -> None:
