@@ -8,6 +8,8 @@ from beltsort.cell.ros1.link import Deadline, Link
 from beltsort.cell.ros1.options import Ros1ArmOptions
 
 POSITION_MODE = 1
+"""JointCommand's number of it."""
+
 RUNNING = (0, 1, 6, 7)
 """GoalStatus: pending, active, preempting, recalling."""
 SUCCEEDED = 3

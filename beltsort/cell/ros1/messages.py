@@ -9,8 +9,6 @@ from typing import Any
 SEPARATOR = "\n" + "=" * 80 + "\n"
 """Between a definition and those it needs, as in a message's full text."""
 
-POSITION_MODE = 1
-
 JOINT_COMMAND = """\
 int32 mode
 float64[] command
