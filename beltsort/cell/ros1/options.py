@@ -1,0 +1,168 @@
+"""What of a ROS 1 system is the camera, the arm and the belt."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from beltsort.cell.ros.checks import check_pose, check_positive, check_taught
+from beltsort.cell.ros.joints import Joints
+from beltsort.errors import CellError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros1Options:
+    """Where the ROS 1 system is.
+
+    A ROS 1 master has no access control: keep it, and `address`, on the loopback or on a network of the
+    cell's own.
+
+    Attributes
+    ----------
+    master
+        The master's URI (ROS_MASTER_URI).
+    address
+        This computer's address in the eyes of the other nodes (ROS_IP); on the loopback, nodes elsewhere
+        cannot reach it.
+    """
+
+    master: str = "http://127.0.0.1:11311"
+    address: str = "127.0.0.1"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros1ActuatorOptions(Ros1Options):
+    """What arm and belt have in common.
+
+    Attributes
+    ----------
+    emergency_stop_topic
+        std_msgs/Bool, latched or repeated: whether the emergency stop is pressed. Empty: nothing tells.
+    """
+
+    emergency_stop_topic: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros1CameraOptions(Ros1Options):
+    """A camera that publishes point clouds, and how its pose is known.
+
+    Either by tf (`world_frame`), or by the joint states: at a taught viewpoint the camera has a known pose.
+
+    Attributes
+    ----------
+    topic
+        sensor_msgs/PointCloud2, metres.
+    frame
+        The camera's optical frame, in which the clouds must be (x right, y down, z forward).
+    world_frame
+        tf's frame on the belt surface under the belt end (`beltsort.geometry`).
+    pose_age
+        How far from a cloud's stamp the pose that is taken may be, seconds.
+    joint_topic
+        sensor_msgs/JointState.
+    taught
+        Joint positions of each viewpoint, by its name and the joint's, radians.
+    poses
+        `world_from_camera` at each of these viewpoints, shape (4, 4).
+    tolerance
+        How far each joint may be from its taught position, radians.
+    """
+
+    topic: str
+    frame: str
+    world_frame: str = ""
+    pose_age: float = 0.2
+    joint_topic: str = ""
+    taught: Mapping[str, Joints] = field(default_factory=dict)
+    poses: Mapping[str, Sequence[Sequence[float]]] = field(default_factory=dict)
+    tolerance: float = 0.02
+
+    def __post_init__(self) -> None:
+        """Refuse a pose that nothing tells, or two things do."""
+        by_joints = [bool(self.joint_topic), bool(self.taught), bool(self.poses)]
+        if any(by_joints) == bool(self.world_frame) or any(by_joints) != all(by_joints):
+            raise CellError(
+                f"world_frame is {self.world_frame!r}, joint_topic {self.joint_topic!r}, taught names "
+                f"{sorted(self.taught)} and poses {sorted(self.poses)}; give either world_frame or the other "
+                "three"
+            )
+        if set(self.poses) != set(self.taught):
+            raise CellError(
+                f"poses names {sorted(self.poses)}, expected the viewpoints of taught, "
+                f"{sorted(self.taught)}; give the camera's pose at each"
+            )
+        check_positive(self, "pose_age", "tolerance")
+        check_taught(self.taught)
+        for name, rows in self.poses.items():
+            check_pose(f"poses.{name}", rows)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros1ArmOptions(Ros1ActuatorOptions):
+    """An arm that reports its joints and takes joint positions.
+
+    Attributes
+    ----------
+    viewpoints
+        Their names, in the order of the model.
+    taught
+        Joint positions of each viewpoint, by its name and the joint's, radians.
+    joint_topic
+        sensor_msgs/JointState.
+    joint_command_topic
+        Takes baxter_core_msgs/JointCommand in position mode, repeated while the arm moves.
+    action
+        Or: a control_msgs/FollowJointTrajectory action, by its namespace.
+    seconds
+        How long a motion by the action is to take.
+    tolerance
+        How far each joint may be from its target, radians.
+    still
+        For how long the joints must have stood still, seconds.
+    stalled
+        An arm that stands still elsewhere for so long, seconds, does not arrive.
+    """
+
+    viewpoints: tuple[str, ...]
+    taught: Mapping[str, Joints]
+    joint_topic: str = "/joint_states"
+    joint_command_topic: str = ""
+    action: str = ""
+    seconds: float = 3.0
+    tolerance: float = 0.02
+    still: float = 0.2
+    stalled: float = 2.0
+
+    def __post_init__(self) -> None:
+        """Refuse an arm that cannot be commanded, or not to every viewpoint."""
+        if bool(self.joint_command_topic) == bool(self.action):
+            raise CellError(
+                f"joint_command_topic is {self.joint_command_topic!r} and action {self.action!r}; give the "
+                "one that the arm listens to"
+            )
+        check_positive(self, "seconds", "tolerance", "still", "stalled")
+        check_taught(self.taught)
+        if set(self.taught) != set(self.viewpoints) or not self.viewpoints:
+            raise CellError(
+                f"taught names {sorted(self.taught)}, expected joints for each of the viewpoints "
+                f"{sorted(self.viewpoints)}; teach each"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros1BeltOptions(Ros1ActuatorOptions):
+    """A belt that counts.
+
+    Attributes
+    ----------
+    command_topic
+        Takes std_msgs/Int32: the number of the object to bring to the belt end.
+    state_topic
+        std_msgs/Int32: the number of the object at the belt end while the belt stands, negative while it
+        moves.
+    stop_topic
+        Takes std_msgs/Empty: stop now.
+    """
+
+    command_topic: str = "/belt/target"
+    state_topic: str = "/belt/object"
+    stop_topic: str = "/belt/stop"

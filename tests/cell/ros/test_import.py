@@ -1,0 +1,16 @@
+"""The protocols, and what is wired but not used, bring no driver along."""
+
+import subprocess
+import sys
+
+SCRIPT = """
+import sys, beltsort, beltsort.cell, beltsort.cell.replay, beltsort.cell.ros1
+print(*sorted({"rosbags", "rospy", "genpy", "open3d"} & set(sys.modules)))
+"""
+
+
+def test_import() -> None:
+    run = subprocess.run(
+        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert run.stdout == "\n"

@@ -1,0 +1,56 @@
+"""What peer and tests agree on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from beltsort.cell.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions
+
+CLOUDS, JOINTS, COMMAND = "/camera/points", "/robot/joint_states", "/robot/limb/right/joint_command"
+ACTION, BELT, EMERGENCY = "/arm/follow_joint_trajectory", "/belt", "/emergency_stop"
+
+HOME = {"shoulder": 0.0, "elbow": 0.0}
+TAUGHT = {"p1": {"shoulder": 0.3, "elbow": -0.2}, "p2": {"shoulder": -0.3, "elbow": 0.4}}
+POSES = {"p1": np.diag([1.0, -1.0, -1.0, 1.0]).tolist(), "p2": np.diag([-1.0, 1.0, -1.0, 1.0]).tolist()}
+
+POINTS = np.random.default_rng(8).uniform(-1.0, 1.0, (6, 8, 3)).astype(np.float32).astype(np.float64)
+POINTS[2, 3] = np.nan
+
+
+@dataclass
+class Settings:
+    cloud: str = "good"
+    offset: float = 0.0
+    speed: float = 5.0
+    verdict: int = 3
+    travel: float = 0.15
+    emergency: bool = False
+
+
+def camera_by_tf(master: str) -> Ros1CameraOptions:
+    return Ros1CameraOptions(master=master, topic=CLOUDS, frame="optical", world_frame="world")
+
+
+def camera_by_joints(master: str) -> Ros1CameraOptions:
+    return Ros1CameraOptions(
+        master=master, topic=CLOUDS, frame="optical", joint_topic=JOINTS, taught=TAUGHT, poses=POSES
+    )
+
+
+def arm(master: str, *, action: bool = False) -> Ros1ArmOptions:
+    return Ros1ArmOptions(
+        master=master,
+        viewpoints=("p1", "p2"),
+        taught=TAUGHT,
+        joint_topic=JOINTS,
+        joint_command_topic="" if action else COMMAND,
+        action=ACTION if action else "",
+        seconds=0.2,
+        still=0.1,
+        stalled=0.3,
+        emergency_stop_topic=EMERGENCY,
+    )
+
+
+def belt(master: str) -> Ros1BeltOptions:
+    return Ros1BeltOptions(master=master, emergency_stop_topic=EMERGENCY)

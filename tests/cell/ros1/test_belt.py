@@ -1,0 +1,51 @@
+"""A belt on ROS 1."""
+
+import time
+from itertools import count
+
+import pytest
+
+from beltsort.cell import CommandError, Outcome
+from beltsort.cell.ros1 import Ros1Belt
+from tests.cell.ros1.conftest import Rig
+
+OBJECTS = count(10, 10)
+"""The belt of all tests moves forward only."""
+
+
+def test_it_advances_forward_only_and_a_repeated_command_acts_once(belt: Ros1Belt) -> None:
+    n = next(OBJECTS)
+    stop = belt.advance_to(n, f"{n}", timeout=10.0)
+    assert belt.advance_to(n, f"{n}") == stop
+    assert belt.advance_to(n + 1, f"{n}-next", timeout=10.0) > stop
+    assert belt.advance_to(n + 1, f"{n}-same", timeout=10.0) > stop
+    assert belt.outcome_of(f"{n}-next") is Outcome.DONE
+    with pytest.raises(CommandError, match=f"index is {n}, expected {n + 1} ") as error:
+        belt.advance_to(n, f"{n}-back", timeout=10.0)
+    assert error.value.outcome is belt.outcome_of(f"{n}-back") is Outcome.NOT_DONE
+    assert belt.outcome_of("of another process") is Outcome.UNKNOWN
+    assert belt.health().ready
+
+
+def test_hung_past_the_deadline(rig: Rig, belt: Ros1Belt) -> None:
+    n = next(OBJECTS)
+    assert belt.health().ready
+    rig.freeze()
+    with pytest.raises(CommandError, match=rf"reported .* last, expected {n} within 0\.6 s") as error:
+        belt.advance_to(n, f"{n}", timeout=0.6)
+    assert error.value.outcome is Outcome.UNKNOWN
+    rig.thaw()
+    assert belt.advance_to(n, f"{n}", timeout=10.0) > 0.0
+    assert belt.outcome_of(f"{n}") is Outcome.DONE
+
+
+def test_a_stopped_belt_does_not_arrive(rig: Rig, belt: Ros1Belt) -> None:
+    n = next(OBJECTS)
+    rig.tell(travel=0.6)
+    time.sleep(0.1)
+    with pytest.raises(CommandError, match=f"reported -1 last, expected {n}"):
+        belt.advance_to(n, f"{n}", timeout=0.2)
+    belt.stop()
+    time.sleep(0.8)
+    assert belt.outcome_of(f"{n}") is Outcome.UNKNOWN
+    assert belt.advance_to(n, f"{n}", timeout=10.0) > 0.0

@@ -1,0 +1,80 @@
+"""Scans from a camera on ROS 1."""
+
+import dataclasses
+import time
+
+import numpy as np
+import pytest
+
+from beltsort.cell import CommandError, Outcome
+from beltsort.cell.ros1 import Ros1Arm, Ros1Camera
+from beltsort.errors import CellError
+from tests.cell.ros1 import scene
+from tests.cell.ros1.conftest import Rig
+
+
+def test_a_scan_is_what_was_published(camera: Ros1Camera) -> None:
+    now = time.time()
+    scan = camera.scan(not_before=now, timeout=10.0)
+    np.testing.assert_array_equal(scan.points, scene.POINTS)
+    assert scan.frame == "optical"
+    assert now <= scan.stamp <= time.time()
+    np.testing.assert_array_equal(scan.world_from_camera[:3, :3], np.eye(3))
+
+
+def test_the_pose_is_the_taught_one_where_the_arm_stands(rig: Rig, arm: Ros1Arm) -> None:
+    with Ros1Camera(scene.camera_by_joints(rig.uri)) as camera:
+        for viewpoint, name in enumerate(scene.POSES):
+            stop = arm.move_to(viewpoint, f"taught-{name}", timeout=10.0)
+            pose = camera.scan(not_before=stop, timeout=10.0).world_from_camera
+            np.testing.assert_array_equal(pose, scene.POSES[name])
+
+
+@pytest.mark.parametrize(
+    ("cloud", "said"),
+    [
+        ("stale", r"the last: its stamp is .* s too old"),
+        ("empty", "the last: the cloud is empty"),
+        ("nan", "the last: none of the 48 points is finite"),
+        ("truncated", "the last: the cloud is truncated"),
+        ("frame", "the last: it is in the frame 'elsewhere', expected 'optical'"),
+    ],
+    ids=["stale scan", "empty cloud", "NaN-only cloud", "truncated cloud", "other frame"],
+)
+def test_an_unusable_cloud_is_waited_out(rig: Rig, camera: Ros1Camera, cloud: str, said: str) -> None:
+    rig.tell(cloud=cloud)
+    time.sleep(0.15)
+    now = time.time()
+    with pytest.raises(CommandError, match=said) as error:
+        camera.scan(not_before=now, timeout=0.3)
+    assert error.value.outcome is Outcome.NOT_DONE
+    rig.tell(cloud="good")
+    assert camera.scan(not_before=now, timeout=10.0).stamp >= now
+
+
+def test_hung_past_the_deadline(rig: Rig, camera: Ros1Camera) -> None:
+    camera.scan(not_before=0.0, timeout=10.0)
+    rig.freeze()
+    began = time.monotonic()
+    with pytest.raises(CommandError, match=r"no usable cloud on /camera/points within 0\.5 s"):
+        camera.scan(not_before=time.time() + 0.1, timeout=0.5)
+    assert time.monotonic() - began < 5.0
+    fault = camera.health()
+    assert not fault.ready
+    assert "the node /peer at" in fault.fault
+    rig.thaw()
+    assert camera.health().ready
+    assert camera.scan(not_before=time.time(), timeout=10.0).points.shape == (6, 8, 3)
+
+
+def test_misuse(camera: Ros1Camera) -> None:
+    with pytest.raises(CellError, match="not_before is nan"):
+        camera.scan(not_before=float("nan"))
+
+
+def test_a_world_that_tf_does_not_know(rig: Rig) -> None:
+    options = dataclasses.replace(scene.camera_by_tf(rig.uri), world_frame="moon")
+    with Ros1Camera(options) as camera:
+        camera.connect()
+        with pytest.raises(CommandError, match="no transforms lead from 'optical' to 'moon'"):
+            camera.scan(not_before=0.0, timeout=0.5)

@@ -1,0 +1,193 @@
+"""What is killed, frozen or restarted in the middle, and what the devices then say."""
+
+import dataclasses
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from uuid import uuid4
+
+import pytest
+
+from beltsort.cell import CommandError, EmergencyStopError, Outcome
+from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
+from tests.cell.ros1 import scene
+from tests.cell.ros1.conftest import Rig, free_port
+
+SOON = 0.3
+
+
+def an_id() -> str:
+    return uuid4().hex
+
+
+def own_nodes() -> list[int]:
+    """Return the processes in which our nodes run."""
+    children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
+    return [pid for pid in map(int, children) if "ros1.node" in Path(f"/proc/{pid}/cmdline").read_text()]
+
+
+def test_killed_mid_command_and_restarted(rig: Rig, arm: Ros1Arm) -> None:
+    arm.move_to(0, an_id(), timeout=10.0)
+    boot = arm.health().boot_id
+    rig.tell(speed=0.2)
+    time.sleep(0.1)
+    one = an_id()
+    threading.Timer(SOON, rig.kill, [rig.peer]).start()
+    with pytest.raises(
+        CommandError, match=r"nobody listens to /robot/limb/right/joint_command any more on the way to 'p2'"
+    ) as error:
+        arm.move_to(1, one, timeout=10.0)
+    assert error.value.outcome is arm.outcome_of(one) is Outcome.UNKNOWN
+    assert not arm.health().ready
+    with pytest.raises(CommandError, match=r"nobody listens|no joint states") as error:
+        arm.move_to(1, an_id(), timeout=0.5)
+    assert error.value.outcome is Outcome.NOT_DONE
+    rig.start_peer()
+    assert arm.move_to(1, one, timeout=10.0) > 0.0
+    health = arm.health()
+    assert health.ready
+    assert health.boot_id != boot
+
+
+def test_a_belt_killed_mid_command(rig: Rig, belt: Ros1Belt) -> None:
+    assert belt.health().ready
+    rig.tell(travel=60.0)
+    time.sleep(0.1)
+    threading.Timer(SOON, rig.kill, [rig.peer]).start()
+    one = an_id()
+    with pytest.raises(CommandError, match="reported -1 last") as error:
+        belt.advance_to(10**6, one, timeout=1.0)
+    assert error.value.outcome is Outcome.UNKNOWN
+    rig.start_peer()
+    assert belt.outcome_of(one) is Outcome.UNKNOWN
+
+
+def test_the_master_killed_mid_command_and_restarted(rig: Rig, arm: Ros1Arm) -> None:
+    arm.move_to(0, an_id(), timeout=10.0)
+    boot = arm.health().boot_id
+    rig.tell(speed=0.8)
+    time.sleep(0.1)
+    threading.Timer(SOON, rig.kill, [rig.master]).start()
+    assert arm.move_to(1, an_id(), timeout=10.0) > 0.0  # arm and driver talk to each other
+    rig.master.wait(10.0)
+    with pytest.raises(
+        CommandError, match=r"the ROS master at http://127\.0\.0\.1:\d+ does not answer"
+    ) as error:
+        arm.move_to(0, an_id(), timeout=5.0)
+    assert error.value.outcome is Outcome.NOT_DONE
+    with pytest.raises(CommandError, match="does not answer"):
+        arm.health()
+    rig.kill(rig.peer)
+    rig.start_master()
+    rig.start_peer()
+    assert arm.move_to(0, an_id(), timeout=20.0) > 0.0
+    assert arm.health().boot_id != boot
+
+
+def test_a_frozen_master_is_not_waited_for(rig: Rig, camera: Ros1Camera) -> None:
+    camera.connect()
+    os.kill(rig.master.pid, signal.SIGSTOP)
+    try:
+        with pytest.raises(CommandError, match="does not answer"):
+            camera.scan(not_before=0.0, timeout=0.5)
+    finally:
+        os.kill(rig.master.pid, signal.SIGCONT)
+    assert camera.scan(not_before=0.0, timeout=10.0).frame == "optical"
+
+
+def test_our_own_node_frozen_or_killed(rig: Rig) -> None:
+    before = own_nodes()
+    with Ros1Camera(scene.camera_by_tf(rig.uri)) as camera:
+        camera.connect()
+        (node,) = set(own_nodes()) - set(before)
+        assert os.getpgid(node) != os.getpgid(0)  # Control-C passes it by
+        os.kill(node, signal.SIGSTOP)
+        with pytest.raises(CommandError, match=r"did not answer \(newest\) within"):
+            camera.scan(not_before=0.0, timeout=0.5)
+        os.kill(node, signal.SIGCONT)
+        assert camera.scan(not_before=time.time(), timeout=10.0).frame == "optical"
+        os.kill(node, signal.SIGKILL)
+        time.sleep(0.2)
+        assert camera.scan(not_before=time.time(), timeout=20.0).frame == "optical"
+    assert own_nodes() == before
+
+
+def test_our_node_ends_with_us(rig: Rig) -> None:
+    script = f"""
+import dataclasses
+import os
+from beltsort.cell.ros1 import Ros1Belt, Ros1BeltOptions
+Ros1Belt(Ros1BeltOptions(master={rig.uri!r})).connect()
+children = open(f"/proc/{{os.getpid()}}/task/{{os.getpid()}}/children").read()
+print(children, flush=True)
+os._exit(1)
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+    )
+    (node,) = map(int, ended.stdout.split())
+    end = time.monotonic() + 10.0
+    while Path(f"/proc/{node}").exists() and "Z" not in Path(f"/proc/{node}/stat").read_text().split()[2]:
+        assert time.monotonic() < end, "the node outlives the process that started it"
+        time.sleep(0.05)
+
+
+def test_without_a_master() -> None:
+    camera = Ros1Camera(scene.camera_by_tf(f"http://127.0.0.1:{free_port()}"))
+    with pytest.raises(CommandError, match=r"does not answer \(ConnectionRefusedError.*start it") as error:
+        camera.connect()
+    assert error.value.outcome is Outcome.NOT_DONE
+
+
+def test_without_rospy(rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "rospy.py").write_text("raise ImportError('no rospy here')\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(CommandError, match=r"\(no rospy here\); .*apt-get install .*python3-rospy"):
+        Ros1Belt(scene.belt(rig.uri)).connect()
+
+
+def test_a_start_that_hangs(rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "rospy.py").write_text("import time\ntime.sleep(60)\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    before = own_nodes()
+    with pytest.raises(
+        CommandError, match=r"did not answer \(starting\) within .* connect\(\) waits"
+    ) as error:
+        Ros1Belt(scene.belt(rig.uri)).advance_to(1, "one", timeout=0.5)
+    assert error.value.outcome is Outcome.NOT_DONE
+    assert own_nodes() == before
+
+
+def test_the_emergency_stop(rig: Rig, arm: Ros1Arm, belt: Ros1Belt) -> None:
+    arm.move_to(0, an_id(), timeout=10.0)
+    rig.tell(speed=0.1)
+    time.sleep(0.1)
+    threading.Timer(SOON, rig.tell, kwargs={"emergency": True}).start()
+    with pytest.raises(EmergencyStopError) as error:
+        arm.move_to(1, an_id(), timeout=10.0)
+    assert error.value.outcome is Outcome.UNKNOWN
+    with pytest.raises(EmergencyStopError, match="release it at the cell") as error:
+        arm.move_to(0, an_id())
+    assert error.value.outcome is Outcome.NOT_DONE
+    with pytest.raises(EmergencyStopError) as error:
+        belt.advance_to(10**7, an_id())
+    assert error.value.outcome is Outcome.NOT_DONE
+    for device in (arm, belt):
+        health = device.health()
+        assert (health.ready, health.emergency_stop) == (False, True)
+    rig.tell()
+    time.sleep(0.1)
+    assert arm.move_to(0, an_id(), timeout=10.0) > 0.0
+
+
+def test_an_emergency_stop_that_nothing_tells(rig: Rig) -> None:
+    options = dataclasses.replace(scene.arm(rig.uri), emergency_stop_topic="/silent")
+    with Ros1Arm(options) as arm:
+        arm.connect()
+        with pytest.raises(CommandError, match="nothing on /silent tells") as error:
+            arm.move_to(0, an_id(), timeout=0.5)
+        assert error.value.outcome is Outcome.NOT_DONE
