@@ -11,7 +11,7 @@ bin := .venv/bin
 extension := beltsort/_core.abi3.so
 rust_sources := Cargo.toml Cargo.lock $(shell find rust -type f)
 
-.PHONY: help venv build demo test test-rust lint-rust test-python lint-python types bench format wheel clean
+.PHONY: help venv build demo test test-rust lint-rust test-python lint-python types soak bench format wheel clean
 
 help:  ## this list
 	@echo 'make TARGET, with ARGS="..." for the demo and PYTHON=python3.12 to choose the interpreter of a new .venv'
@@ -42,6 +42,9 @@ lint-python: venv  ## ruff
 types: build venv  ## mypy, and the stub of the extension against the real thing
 	$(bin)/python -m mypy
 	$(bin)/python -m mypy.stubtest beltsort._core
+
+soak: build venv  ## 100 kills and 1,000 objects with faults
+	$(bin)/python -m pytest tests/soak -m soak -s
 
 bench: build venv  ## criterion and pytest-benchmark; on an idle machine
 	cargo bench

@@ -1,6 +1,6 @@
 """Sorting with a cell that a file describes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from beltsort.cell.check import CellCheck, ask_health
 from beltsort.cell.composed import ComposedCell, compose
 from beltsort.cell.description import CellDescription
 from beltsort.cell.problems import CellFileError
-from beltsort.cell.protocols import Restorable
+from beltsort.cell.protocols import Homing, Restorable
 from beltsort.cell.simulated.backend import trainable_config
 from beltsort.commander import Operator, nobody
 from beltsort.errors import CellError
@@ -40,6 +40,8 @@ class CellRun:
         Of the run; made by `sort`.
     broken_off
         How far the run had come that is resumed; None for a new one.
+    homing
+        Belts that a new run tells that its first object is at the belt end.
     """
 
     description: CellDescription
@@ -48,6 +50,7 @@ class CellRun:
     classifier: NearestNeighbour
     folder: Path
     broken_off: Progress | None = None
+    homing: Sequence[Homing] = ()
 
     def sort(self, listener: Listener | None = None, operator: Operator = nobody) -> SortingReport:
         """Sort the objects, or those that are left, journalling every step.
@@ -71,6 +74,8 @@ class CellRun:
                 return resume_sorting(
                     self.cell, perception, planner, journal, rules=description.rules, operator=operator
                 )
+        for belt in self.homing:
+            belt.home(0)
         return sort_into(
             self.folder,
             self.cell,
@@ -121,12 +126,10 @@ def open_run(
     broken_off = None if resume is None else progress_in(resume / JOURNAL)
     calls = CallLog(runs / run_name() if resume is None else resume)
 
-    def bring_back(device: object) -> None:
-        if broken_off is not None and isinstance(device, Restorable):
-            where = broken_off
-            device.restore(where.index, looks=where.glances, taken=where.taken, clock=where.stopped)
-
-    cell = compose(description, live=live, say=say, record=calls, made=bring_back)
+    devices: list[object] = []
+    cell = compose(description, live=live, say=say, record=calls, made=devices.append)
+    if broken_off is not None:
+        _bring_back(devices, broken_off)
     if cell.rehearsed and resume is None:
         calls.folder = runs / f"{calls.folder.name}-dry-run"
     model, classifier = _knowledge(description, progress)
@@ -137,7 +140,15 @@ def open_run(
         classifier,
         calls.folder,
         broken_off,
+        [] if cell.rehearsed else [device for device in devices if isinstance(device, Homing)],
     )
+
+
+def _bring_back(devices: Sequence[object], where: Progress) -> None:
+    """Have the devices whose world ended with the process stand where the run broke off."""
+    for device in devices:
+        if isinstance(device, Restorable):
+            device.restore(where.index, looks=where.glances, taken=where.taken, clock=where.stopped)
 
 
 def check_ready(cell: ComposedCell) -> None:

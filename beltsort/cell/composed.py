@@ -7,12 +7,13 @@ from typing import Any
 
 from beltsort.cell.description import CellDescription
 from beltsort.cell.problems import CellFileError, raise_all
-from beltsort.cell.protocols import Arm, Belt, DepthCamera, Sorter
+from beltsort.cell.protocols import Arm, Belt, DepthCamera, FollowsBelt, Sorter
 from beltsort.cell.registry import ROLES, Backend, backend
 from beltsort.cell.wrappers.bins import Bins
 from beltsort.cell.wrappers.deadlines import Deadlines
 from beltsort.cell.wrappers.dry_run import DryRun, Say
 from beltsort.cell.wrappers.faults import Faults
+from beltsort.cell.wrappers.follow import Follow
 from beltsort.cell.wrappers.limits import Limits
 from beltsort.cell.wrappers.recorder import Recorded, Recorder
 from beltsort.cell.wrappers.taught_poses import TaughtPoses
@@ -93,10 +94,13 @@ def compose(
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
     rehearsed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
     outside, inside = _outside(description), _inside(description)
+    camera = devices["camera"]
+    follows = isinstance(camera, FollowsBelt) and camera is not devices["belt"]
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
         dry_run = [DryRun(say)] if role in rehearsed else []
-        around = chained([*outside, *recorder, *dry_run, *inside])
+        follow = [Follow(camera)] if follows and role == "belt" else []
+        around = chained([*follow, *outside, *recorder, *dry_run, *inside])
         devices[role] = WRAPPED[role](devices[role], around)
     return ComposedCell(
         **devices,

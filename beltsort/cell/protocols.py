@@ -120,6 +120,22 @@ class Sorter(Actuator, Protocol):
 
 
 @runtime_checkable
+class Homing(Protocol):
+    """A belt that must be told where it stands."""
+
+    def home(self, index: int, *, timeout: float = TIMEOUT) -> None:
+        """Take it that object number `index` of the run is at the belt end."""
+
+
+@runtime_checkable
+class FollowsBelt(Protocol):
+    """A simulated world that has no belt of its own in this cell."""
+
+    def follow(self, index: int, stopped: float) -> None:
+        """Have object number `index` at the belt end since `stopped`, seconds on the cell's clock."""
+
+
+@runtime_checkable
 class Restorable(Protocol):
     """A device whose world ends with the process that made it, such as a simulated one."""
 

@@ -22,6 +22,7 @@ from beltsort.tables.counts import Look, count
 from beltsort.tables.prepare import Prepared
 from tests.cell.cell_files import changed
 from tests.cli.running import command
+from tests.contract.peers import OpcuaPeer
 
 REAL = dataclasses.replace(BACKEND, harmless=False)
 """The simulated cell, taken for a real one."""
@@ -224,3 +225,32 @@ def test_a_held_run_goes_on_when_it_is_resumed(folder: Path, capsys: pytest.Capt
     assert [decision["object"] for decision in result_of(capsys)["decisions"]] == [0, 1]
     assert main(["run", whole, "--resume", str(folder / "none")]) == 2
     assert "does not exist" in capsys.readouterr().err
+
+
+def test_belt_and_sorter_over_opc_ua(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    peer = OpcuaPeer(folder)
+    try:
+        peer.start("--home", "0")
+        client, cell = peer.client, cell_file(folder)
+        options = f"""
+            [backends.opcua]
+            endpoint = "opc.tcp://127.0.0.1:{peer.port}/beltsort"
+            certificate = "{client.certificate}"
+            private_key = "{client.private_key}"
+            trust = "{client.trust}"
+        """
+        text = Path(cell).read_text()
+        for role in ("belt", "sorter"):
+            text = text.replace(f'[{role}]\nbackend = "simulated"', f'[{role}]\nbackend = "opcua"')
+        Path(cell).write_text(text + "\n".join(line.strip() for line in options.splitlines()))
+        assert main(["run", cell, "--objects", "3", "--json"]) == 0
+        assert result_of(capsys)["dry_run"] == ["belt", "sorter"]
+        assert peer.push("look")["bins"] == [0] * 5
+        for _ in range(2):  # a second run counts its objects from 0 again
+            assert main(["run", cell, "--objects", "3", "--live", "--json"]) == 0
+            assert len(result_of(capsys)["decisions"]) == 3
+        seen = peer.push("look")
+        assert sum(seen["bins"]) == 6
+        assert seen["position"] == 3
+    finally:
+        peer.close()

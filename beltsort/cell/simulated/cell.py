@@ -120,6 +120,13 @@ class SimulatedCell:
         """Tell whether a command was carried out."""
         return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
 
+    def follow(self, index: int, stopped: float) -> None:
+        """Have object number `index` at the belt end: a belt that is not simulated has brought it there."""
+        self.clock = max(self.clock, stopped)
+        if self._world.steps_to(index) > 0:
+            self._world.advance_to(index)
+            self._looks = 0
+
     def restore(self, index: int, *, looks: int, taken: bool, clock: float) -> None:
         """Stand where a run broke off: see `beltsort.cell.protocols.Restorable`."""
         if index > 0:

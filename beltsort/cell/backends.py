@@ -1,0 +1,47 @@
+"""beltsort's own back-ends of real cells, as a cell file names them."""
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from beltsort.cell import modbus, opcua, replay, ros1
+from beltsort.cell.registry import Backend, backend_of
+from beltsort.cell.validation import validated
+
+if TYPE_CHECKING:
+    from beltsort.cell.description import CellDescription
+
+FILES = ("certificate", "private_key", "trust", "path")
+"""Options that name files; a relative path counts from the cell file."""
+
+Options = TypeVar("Options", bound=Any)
+
+
+def resolved(options: Options, cell: "CellDescription") -> Options:
+    """Return options of a back-end with the paths of their files."""
+    named = [field.name for field in fields(options) if field.name in FILES and getattr(options, field.name)]
+    changed: Options = replace(options, **{name: str(cell.path(getattr(options, name))) for name in named})
+    return changed
+
+
+def with_viewpoints(given: Mapping[str, object], cell: "CellDescription") -> Mapping[str, object]:
+    """Return what the file gives, with the cell's viewpoints."""
+    return {"viewpoints": list(cell.viewpoint_names), **given}
+
+
+OPCUA = backend_of(opcua.OpcuaOptions, lambda options, cell: opcua.make(resolved(options, cell)), shared=True)
+MODBUS = backend_of(
+    modbus.ModbusOptions, lambda options, cell: modbus.make(resolved(options, cell)), shared=True
+)
+ROS1_CAMERA = backend_of(ros1.Ros1CameraOptions, lambda options, _cell: ros1.Ros1Camera(options))
+ROS1_BELT = backend_of(ros1.Ros1BeltOptions, lambda options, _cell: ros1.Ros1Belt(options))
+ROS1_ARM = Backend(
+    lambda given, cell: ros1.Ros1Arm(validated(ros1.Ros1ArmOptions, with_viewpoints(given, cell)))
+)
+REPLAY = Backend(
+    lambda given, cell: replay.Replay(
+        resolved(validated(replay.ReplayOptions, with_viewpoints(given, cell)), cell)
+    ),
+    shared=True,
+    harmless=True,
+)
