@@ -33,6 +33,14 @@ impl ConditionalPlan {
         self.discount_to.as_slice().chunks_exact(belief.len()).map(move |row| dot(belief, row))
     }
 
+    /// Value for each class when `continuation[s]` follows.
+    pub(crate) fn values(&self, continuation: &[f64]) -> impl Iterator<Item = f64> {
+        let l = self.gain.len();
+        let discounted =
+            move |c| continuation.iter().enumerate().map(move |(s, w)| self.discount_to[s * l + c] * w);
+        (0..l).map(move |c| self.gain[c] + discounted(c).sum::<f64>())
+    }
+
     /// Value at a belief when `continuation[s]` follows.
     pub(crate) fn value(&self, belief: &[f64], continuation: &[f64]) -> f64 {
         self.gain_at(belief) + self.discounts_at(belief).zip(continuation).map(|(d, w)| d * w).sum::<f64>()
@@ -58,6 +66,17 @@ impl PlanSet {
         &self.plans
     }
 
+    /// `G` and `D_s` at a belief of every plan that is best for some continuation within `range`, in the plans' order.
+    pub(crate) fn candidates(
+        &self,
+        belief: &[f64],
+        range: &Range,
+        found: &mut Vec<f64>,
+        weighed: &mut Weighed,
+    ) {
+        self.arch.dispatch(Candidates { set: self, belief, range, found, weighed: &mut weighed.0 });
+    }
+
     /// The best plan at a belief when `continuation[s]` follows (the first among equals), and its value.
     #[inline(always)]
     pub(crate) fn best(&self, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
@@ -66,9 +85,18 @@ impl PlanSet {
     }
 }
 
-/// Index and value of the best plan: lane by lane first, so that the lanes run side by side.
-///
-/// Products and sums are not fused, so that all processors agree to the bit.
+/// A buffer for plans on their way to be candidates.
+#[derive(Debug, Default)]
+pub(crate) struct Weighed(Vec<[f64; LANES]>);
+
+/// What may follow an object, per group: `centre[s]`, give or take `radius[s]`.
+#[derive(Debug, Clone)]
+pub(crate) struct Range {
+    pub centre: Vec<f64>,
+    pub radius: Vec<f64>,
+}
+
+/// Index and value of the best plan. Products and sums are not fused, so that all processors agree to the bit.
 struct Best<'a> {
     blocks: &'a [[f64; LANES]],
     belief: &'a [f64],
@@ -80,32 +108,138 @@ impl pulp::WithSimd for Best<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) -> (usize, f64) {
-        let l = self.belief.len();
-        let mut best = simd.splat_f64s(f64::NEG_INFINITY);
-        let mut found = simd.splat_f64s(0.0);
-        let mut first = 0.0;
-        for block in self.blocks.chunks_exact(l * (1 + self.continuation.len())) {
-            let (gains, discounts) = block.split_at(l);
-            for (part, lanes) in S::as_simd_f64s(&NUMBERS).0.iter().enumerate() {
-                let mut values = mean(simd, gains, self.belief, part);
-                for (rows, w) in discounts.chunks_exact(l).zip(self.continuation) {
-                    let discount = mean(simd, rows, self.belief, part);
-                    values = simd.add_f64s(values, simd.mul_f64s(simd.splat_f64s(*w), discount));
-                }
-                let better = simd.greater_than_f64s(values, best);
-                best = simd.select_f64s(better, values, best);
-                let numbers = simd.add_f64s(simd.splat_f64s(first), *lanes);
-                found = simd.select_f64s(better, numbers, found);
+        let Self { blocks, belief, continuation } = self;
+        let mut top = Top::new(simd);
+        for block in blocks.chunks_exact(belief.len() * (1 + continuation.len())) {
+            for part in 0..parts::<S>() {
+                top.see(simd, part, weigh(simd, (block, part), belief, continuation, |_, _| {}));
             }
-            first += LANES as f64;
+            top.first += LANES as f64;
         }
-        let top = simd.reduce_max_f64s(best);
-        let wins = simd.equal_f64s(best, simd.splat_f64s(top));
-        let winner = simd.reduce_min_f64s(simd.select_f64s(wins, found, simd.splat_f64s(f64::INFINITY)));
+        top.best(simd)
+    }
+}
+
+/// Plans that are worse than the best at the centre by no more than another continuation may make up for.
+struct Candidates<'a> {
+    set: &'a PlanSet,
+    belief: &'a [f64],
+    range: &'a Range,
+    found: &'a mut Vec<f64>,
+    /// Of each block the plans' values at the centre, then their `D_s`.
+    weighed: &'a mut Vec<[f64; LANES]>,
+}
+
+impl Candidates<'_> {
+    #[inline(always)]
+    fn push(&mut self, index: usize) {
+        let plan = &self.set.plans[index];
+        self.found.push(plan.gain_at(self.belief));
+        self.found.extend(plan.discounts_at(self.belief));
+    }
+}
+
+impl pulp::WithSimd for Candidates<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, simd: S) {
+        let Self { set, belief, range: Range { centre, radius }, .. } = self;
+        if radius.iter().all(|radius| *radius == 0.0) {
+            let (best, _) = Best { blocks: &set.blocks, belief, continuation: centre }.with_simd(simd);
+            return self.push(best);
+        }
+        let (l, rows) = (belief.len(), 1 + radius.len());
+        let mut top = Top::new(simd);
+        self.weighed.resize(set.blocks.len() / l, [0.0; LANES]);
+        for (block, weighed) in set.blocks.chunks_exact(l * rows).zip(self.weighed.chunks_exact_mut(rows)) {
+            for part in 0..parts::<S>() {
+                let keep = |s: usize, discount| S::as_mut_simd_f64s(&mut weighed[1 + s]).0[part] = discount;
+                let values = weigh(simd, (block, part), belief, centre, keep);
+                S::as_mut_simd_f64s(&mut weighed[0]).0[part] = values;
+                top.see(simd, part, values);
+            }
+            top.first += LANES as f64;
+        }
+        let (best, value) = top.best(simd);
+        let weighed = std::mem::take(self.weighed);
+        for (number, block) in weighed.chunks_exact(rows).enumerate() {
+            let mut reach = block[0];
+            for part in 0..parts::<S>() {
+                let mut values = S::as_simd_f64s(&reach).0[part];
+                for ((discounts, radius), s) in block[1..].iter().zip(radius).zip(1..) {
+                    let own = simd.splat_f64s(weighed[best / LANES * rows + s][best % LANES]);
+                    let apart = simd.abs_f64s(simd.sub_f64s(S::as_simd_f64s(discounts).0[part], own));
+                    values = simd.add_f64s(values, simd.mul_f64s(simd.splat_f64s(*radius), apart));
+                }
+                S::as_mut_simd_f64s(&mut reach).0[part] = values;
+            }
+            if reach.iter().any(|reach| *reach >= value) {
+                let plans = number * LANES..set.plans.len().min((number + 1) * LANES);
+                plans.zip(reach).filter(|(_, reach)| *reach >= value).for_each(|(index, _)| self.push(index));
+            }
+        }
+        *self.weighed = weighed;
+    }
+}
+
+/// The best plans of those seen, lane by lane, so that the lanes run side by side.
+struct Top<S: pulp::Simd> {
+    best: S::f64s,
+    found: S::f64s,
+    /// Number of the block's first plan.
+    first: f64,
+}
+
+impl<S: pulp::Simd> Top<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Self { best: simd.splat_f64s(f64::NEG_INFINITY), found: simd.splat_f64s(0.0), first: 0.0 }
+    }
+
+    #[inline(always)]
+    fn see(&mut self, simd: S, part: usize, values: S::f64s) {
+        let better = simd.greater_than_f64s(values, self.best);
+        self.best = simd.select_f64s(better, values, self.best);
+        let numbers = simd.add_f64s(simd.splat_f64s(self.first), S::as_simd_f64s(&NUMBERS).0[part]);
+        self.found = simd.select_f64s(better, numbers, self.found);
+    }
+
+    /// Number and value of the best plan, the first among equals.
+    #[inline(always)]
+    fn best(self, simd: S) -> (usize, f64) {
+        let top = simd.reduce_max_f64s(self.best);
+        let wins = simd.equal_f64s(self.best, simd.splat_f64s(top));
+        let winner = simd.reduce_min_f64s(simd.select_f64s(wins, self.found, simd.splat_f64s(f64::INFINITY)));
         // Padding repeats a block's first plan, which has the smaller number and wins the tie.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // an index into `plans`
         (winner as usize, top)
     }
+}
+
+/// Registers that a block's plans fill.
+#[inline(always)]
+fn parts<S: pulp::Simd>() -> usize {
+    S::as_simd_f64s(&NUMBERS).0.len()
+}
+
+/// Values of some plans of a block when `continuation` follows; `keep` is told each `D_s`.
+#[inline(always)]
+fn weigh<S: pulp::Simd>(
+    simd: S,
+    (block, part): (&[[f64; LANES]], usize),
+    belief: &[f64],
+    continuation: &[f64],
+    mut keep: impl FnMut(usize, S::f64s),
+) -> S::f64s {
+    let (gains, discounts) = block.split_at(belief.len());
+    let mut values = mean(simd, gains, belief, part);
+    for (s, (rows, w)) in discounts.chunks_exact(belief.len()).zip(continuation).enumerate() {
+        let discount = mean(simd, rows, belief, part);
+        keep(s, discount);
+        values = simd.add_f64s(values, simd.mul_f64s(simd.splat_f64s(*w), discount));
+    }
+    values
 }
 
 /// `sum_c b_c rows[c]` of some lanes; four classes at a time, which spares a loop its counting.
