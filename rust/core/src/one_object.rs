@@ -7,6 +7,7 @@
 //!
 //! Viewpoints with the same moves at the same costs are one *group*: in the paper's model there is one.
 
+mod candidates;
 mod plan_set;
 mod solve;
 mod stored;
@@ -14,8 +15,9 @@ mod stored;
 use nalgebra::DVector;
 
 use crate::model::{Action, SortingModel};
-pub(crate) use plan_set::Weighed;
-use plan_set::{ConditionalPlan, PlanSet, Range};
+use candidates::Range;
+pub(crate) use candidates::Weighed;
+use plan_set::{ConditionalPlan, PlanSet};
 
 /// Plans for one object, and what executing the best of them for ever is worth.
 #[derive(Debug, Clone)]
@@ -75,6 +77,7 @@ impl OneObjectPolicy {
     fn bound_continuations(&mut self, positions: usize) {
         let (mut worst, mut best) = (self.arrival_values.clone(), self.arrival_values.clone());
         self.continuations.clear();
+        self.plans.iter_mut().for_each(|set| set.settle(&self.arrival_values));
         for _ in 0..positions {
             let centre = worst.iter().zip(&best).map(|(a, b)| 0.5 * (a + b)).collect();
             let radius = worst.iter().zip(&best).map(|(a, b)| 0.5 * (b - a)).collect();

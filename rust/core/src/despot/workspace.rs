@@ -87,13 +87,13 @@ impl Workspace {
     pub(super) fn prepare(&mut self, Despot { model, default_policy, randoms, .. }: &Despot, parallel: bool) {
         let depths = self.expansions.iter().map(|expansion| expansion.node.depth);
         randoms.reach(depths.max().unwrap_or(0), parallel);
-        let first = self.objects.count();
+        let (first, mut objects) = (self.objects.count(), Vec::new());
         let mut points = std::mem::take(&mut self.points);
         for Expansion { node, .. } in &self.expansions {
             let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
             for action in moves.chain([Action::Decide(0)]) {
                 let Some(scan) = Scan::of(model, node, action) else { continue };
-                let mut objects = node.objects.clone();
+                objects.clone_from(&node.objects);
                 if let Action::Decide(_) = action {
                     self.objects.shift(&mut objects);
                 }

@@ -6,7 +6,7 @@ use super::dot;
 use crate::model::Action;
 
 /// Plans weighed at once; their numbers lie next to each other in memory.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 const NUMBERS: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// A conditional plan for one object.
@@ -50,31 +50,29 @@ impl ConditionalPlan {
 /// The plans of one viewpoint group; never empty.
 #[derive(Debug, Clone)]
 pub(crate) struct PlanSet {
-    plans: Vec<ConditionalPlan>,
+    pub(super) plans: Vec<ConditionalPlan>,
     /// Blocks of [`LANES`] plans; in a block the `G(c)` of all its plans, class by class, then the `D_s(c)`.
-    blocks: Vec<[f64; LANES]>,
-    arch: pulp::Arch,
+    pub(super) blocks: Vec<[f64; LANES]>,
+    /// The same of the plans' values when unseen objects follow: class by class, and nothing else.
+    pub(super) settled: Vec<[f64; LANES]>,
+    pub(super) arch: pulp::Arch,
 }
 
 impl PlanSet {
     pub(crate) fn new(plans: Vec<ConditionalPlan>) -> Self {
         let blocks = plans.chunks(LANES).flat_map(block).collect();
-        Self { plans, blocks, arch: pulp::Arch::new() }
+        Self { plans, blocks, settled: Vec::new(), arch: pulp::Arch::new() }
+    }
+
+    /// Know what unseen objects are worth, per group.
+    pub(crate) fn settle(&mut self, arrival_values: &[f64]) {
+        let values = |plan: &ConditionalPlan| plan.values(arrival_values).collect();
+        let rows: Vec<Vec<f64>> = self.plans.iter().map(values).collect();
+        self.settled = rows.chunks(LANES).flat_map(|rows| lanes(rows, rows[0].len())).collect();
     }
 
     pub(crate) fn plans(&self) -> &[ConditionalPlan] {
         &self.plans
-    }
-
-    /// `G` and `D_s` at a belief of every plan that is best for some continuation within `range`, in the plans' order.
-    pub(crate) fn candidates(
-        &self,
-        belief: &[f64],
-        range: &Range,
-        found: &mut Vec<f64>,
-        weighed: &mut Weighed,
-    ) {
-        self.arch.dispatch(Candidates { set: self, belief, range, found, weighed: &mut weighed.0 });
     }
 
     /// The best plan at a belief when `continuation[s]` follows (the first among equals), and its value.
@@ -85,22 +83,11 @@ impl PlanSet {
     }
 }
 
-/// A buffer for plans on their way to be candidates.
-#[derive(Debug, Default)]
-pub(crate) struct Weighed(Vec<[f64; LANES]>);
-
-/// What may follow an object, per group: `centre[s]`, give or take `radius[s]`.
-#[derive(Debug, Clone)]
-pub(crate) struct Range {
-    pub centre: Vec<f64>,
-    pub radius: Vec<f64>,
-}
-
 /// Index and value of the best plan. Products and sums are not fused, so that all processors agree to the bit.
-struct Best<'a> {
-    blocks: &'a [[f64; LANES]],
-    belief: &'a [f64],
-    continuation: &'a [f64],
+pub(super) struct Best<'a> {
+    pub blocks: &'a [[f64; LANES]],
+    pub belief: &'a [f64],
+    pub continuation: &'a [f64],
 }
 
 impl pulp::WithSimd for Best<'_> {
@@ -120,85 +107,22 @@ impl pulp::WithSimd for Best<'_> {
     }
 }
 
-/// Plans that are worse than the best at the centre by no more than another continuation may make up for.
-struct Candidates<'a> {
-    set: &'a PlanSet,
-    belief: &'a [f64],
-    range: &'a Range,
-    found: &'a mut Vec<f64>,
-    /// Of each block the plans' values at the centre, then their `D_s`.
-    weighed: &'a mut Vec<[f64; LANES]>,
-}
-
-impl Candidates<'_> {
-    #[inline(always)]
-    fn push(&mut self, index: usize) {
-        let plan = &self.set.plans[index];
-        self.found.push(plan.gain_at(self.belief));
-        self.found.extend(plan.discounts_at(self.belief));
-    }
-}
-
-impl pulp::WithSimd for Candidates<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(mut self, simd: S) {
-        let Self { set, belief, range: Range { centre, radius }, .. } = self;
-        if radius.iter().all(|radius| *radius == 0.0) {
-            let (best, _) = Best { blocks: &set.blocks, belief, continuation: centre }.with_simd(simd);
-            return self.push(best);
-        }
-        let (l, rows) = (belief.len(), 1 + radius.len());
-        let mut top = Top::new(simd);
-        self.weighed.resize(set.blocks.len() / l, [0.0; LANES]);
-        for (block, weighed) in set.blocks.chunks_exact(l * rows).zip(self.weighed.chunks_exact_mut(rows)) {
-            for part in 0..parts::<S>() {
-                let keep = |s: usize, discount| S::as_mut_simd_f64s(&mut weighed[1 + s]).0[part] = discount;
-                let values = weigh(simd, (block, part), belief, centre, keep);
-                S::as_mut_simd_f64s(&mut weighed[0]).0[part] = values;
-                top.see(simd, part, values);
-            }
-            top.first += LANES as f64;
-        }
-        let (best, value) = top.best(simd);
-        let weighed = std::mem::take(self.weighed);
-        for (number, block) in weighed.chunks_exact(rows).enumerate() {
-            let mut reach = block[0];
-            for part in 0..parts::<S>() {
-                let mut values = S::as_simd_f64s(&reach).0[part];
-                for ((discounts, radius), s) in block[1..].iter().zip(radius).zip(1..) {
-                    let own = simd.splat_f64s(weighed[best / LANES * rows + s][best % LANES]);
-                    let apart = simd.abs_f64s(simd.sub_f64s(S::as_simd_f64s(discounts).0[part], own));
-                    values = simd.add_f64s(values, simd.mul_f64s(simd.splat_f64s(*radius), apart));
-                }
-                S::as_mut_simd_f64s(&mut reach).0[part] = values;
-            }
-            if reach.iter().any(|reach| *reach >= value) {
-                let plans = number * LANES..set.plans.len().min((number + 1) * LANES);
-                plans.zip(reach).filter(|(_, reach)| *reach >= value).for_each(|(index, _)| self.push(index));
-            }
-        }
-        *self.weighed = weighed;
-    }
-}
-
 /// The best plans of those seen, lane by lane, so that the lanes run side by side.
-struct Top<S: pulp::Simd> {
+pub(super) struct Top<S: pulp::Simd> {
     best: S::f64s,
     found: S::f64s,
     /// Number of the block's first plan.
-    first: f64,
+    pub first: f64,
 }
 
 impl<S: pulp::Simd> Top<S> {
     #[inline(always)]
-    fn new(simd: S) -> Self {
+    pub(super) fn new(simd: S) -> Self {
         Self { best: simd.splat_f64s(f64::NEG_INFINITY), found: simd.splat_f64s(0.0), first: 0.0 }
     }
 
     #[inline(always)]
-    fn see(&mut self, simd: S, part: usize, values: S::f64s) {
+    pub(super) fn see(&mut self, simd: S, part: usize, values: S::f64s) {
         let better = simd.greater_than_f64s(values, self.best);
         self.best = simd.select_f64s(better, values, self.best);
         let numbers = simd.add_f64s(simd.splat_f64s(self.first), S::as_simd_f64s(&NUMBERS).0[part]);
@@ -207,7 +131,7 @@ impl<S: pulp::Simd> Top<S> {
 
     /// Number and value of the best plan, the first among equals.
     #[inline(always)]
-    fn best(self, simd: S) -> (usize, f64) {
+    pub(super) fn best(self, simd: S) -> (usize, f64) {
         let top = simd.reduce_max_f64s(self.best);
         let wins = simd.equal_f64s(self.best, simd.splat_f64s(top));
         let winner = simd.reduce_min_f64s(simd.select_f64s(wins, self.found, simd.splat_f64s(f64::INFINITY)));
@@ -219,13 +143,13 @@ impl<S: pulp::Simd> Top<S> {
 
 /// Registers that a block's plans fill.
 #[inline(always)]
-fn parts<S: pulp::Simd>() -> usize {
+pub(super) fn parts<S: pulp::Simd>() -> usize {
     S::as_simd_f64s(&NUMBERS).0.len()
 }
 
 /// Values of some plans of a block when `continuation` follows; `keep` is told each `D_s`.
 #[inline(always)]
-fn weigh<S: pulp::Simd>(
+pub(super) fn weigh<S: pulp::Simd>(
     simd: S,
     (block, part): (&[[f64; LANES]], usize),
     belief: &[f64],
@@ -256,10 +180,14 @@ fn mean<S: pulp::Simd>(simd: S, rows: &[[f64; LANES]], belief: &[f64], part: usi
     rest.iter().zip(others).fold(sum, add)
 }
 
-/// One block; lanes without a plan repeat its first one, which wins every tie.
+/// One block: `G(c)`, then `D_s(c)`.
 fn block(plans: &[ConditionalPlan]) -> Vec<[f64; LANES]> {
-    let lane = |i: usize| plans.get(i).unwrap_or(&plans[0]);
-    let gains = (0..plans[0].gain.len()).map(|c| std::array::from_fn(|i| lane(i).gain[c]));
-    let discounts = (0..plans[0].discount_to.len()).map(|e| std::array::from_fn(|i| lane(i).discount_to[e]));
-    gains.chain(discounts).collect()
+    let row = |plan: &ConditionalPlan| plan.gain.iter().chain(plan.discount_to.iter()).copied().collect();
+    let rows: Vec<Vec<f64>> = plans.iter().map(row).collect();
+    lanes(&rows, rows[0].len()).collect()
+}
+
+/// Rows side by side, entry by entry; lanes without a row repeat the first one, which wins every tie.
+fn lanes(rows: &[Vec<f64>], entries: usize) -> impl Iterator<Item = [f64; LANES]> {
+    (0..entries).map(move |e| std::array::from_fn(|lane| rows.get(lane).unwrap_or(&rows[0])[e]))
 }
