@@ -93,8 +93,9 @@ def test_budgets(paper: SortingModel) -> None:
     assert Despot(paper, trials=7).plan(belief, trials=3).trials == 3
     timed = Despot(paper, trials=7).plan(belief, seconds=0.05)
     assert timed.trials > 7
-    assert 0.05 <= timed.seconds < 1.0
-    assert Despot(paper).plan(belief).seconds >= 0.01
+    # A search ends where one more trial would not end in time.
+    assert 0.045 <= timed.seconds < 1.0
+    assert Despot(paper).plan(belief).seconds >= 0.009
 
 
 def test_a_planner_is_a_policy(paper: SortingModel) -> None:

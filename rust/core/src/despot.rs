@@ -8,7 +8,7 @@
 //! * The belief at a node is known exactly. Scenarios only choose *which* label vectors get a branch; a branch
 //!   weighs its exact probability `P(z | b, v)` and rewards are expectations under the exact belief.
 //! * The mass of labels that no scenario gives is not dropped: it follows the default policy (one-object plans
-//!   chosen per label, [`crate::bounds::Look`]).
+//!   chosen per label, [`crate::bounds::Foresight`]).
 //!
 //! The optimum of this problem is the value of a policy that can be executed; so with regularisation 0 the
 //! search's lower bound never exceeds V*.
@@ -24,6 +24,7 @@ mod branch;
 mod config;
 mod expand;
 mod explain;
+mod objects;
 mod plan;
 mod shortfall;
 mod stopping;
@@ -35,15 +36,15 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use crate::belief::{Belief, Memory, condition, shift};
+use crate::belief::Belief;
 use crate::bounds;
 use crate::error::Result;
-use crate::model::{Action, SortingModel};
+use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
 use crate::planes;
 use crate::reference::{Certificate, Solution};
 use crate::scenario::Randoms;
-use crate::tree::{Child, Place, Values, id, indices, seen};
+use crate::tree::{Child, Place, Values, id, indices};
 
 pub use config::{Budget, DespotConfig};
 use expand::{Expansion, Scratch};
@@ -199,25 +200,6 @@ impl Despot {
     }
 }
 
-/// What is known after an action, from what was known before it: the viewpoint then, and the code of the labels.
-#[inline(always)]
-fn follow(
-    model: &SortingModel,
-    (belief, memory): (&mut [f64], &mut Memory),
-    action: Action,
-    (viewpoint, labels): (usize, u64),
-) {
-    let decided = matches!(action, Action::Decide(_));
-    if decided {
-        shift(model, belief, memory);
-    }
-    if !decided || model.observes_after_decision() {
-        for (j, z) in seen(model, labels).enumerate() {
-            condition(model, belief, memory, (j, viewpoint, z));
-        }
-    }
-}
-
 /// One search in progress.
 struct Search<'a> {
     despot: &'a Despot,
@@ -256,8 +238,8 @@ impl Search<'_> {
         let values = self.despot.leaf((0, 1.0), lower, 0.0, upper);
         let root = Child { values, probability: 1.0, ..Child::default() };
         randoms.reach(0, self.parallel);
-        self.space.restart(model, randoms, (belief, viewpoint), root);
-        self.space.choose(None);
+        self.space.restart(self.despot, (belief, viewpoint), root);
+        self.space.choose(model, None);
         self.expand_leaves(|_| true);
         self.attach_expansions();
     }
@@ -270,7 +252,7 @@ impl Search<'_> {
             if self.space.tree.child(leaf).values.gap() <= 0.0 {
                 return;
             }
-            self.space.choose(leaf);
+            self.space.choose(&self.despot.model, leaf);
         }
     }
 
@@ -303,9 +285,8 @@ impl Search<'_> {
 
     /// Expand the chosen leaves, each on its own; a leaf that there is no more time for stays one.
     fn expand_leaves(&mut self, in_time: impl Fn(&Self) -> bool + Sync) {
-        let Despot { model, randoms, .. } = self.despot;
         let shared = self.parallel && self.space.expansions.len() >= WORTH_SHARING;
-        self.space.require_labels(model, randoms, shared);
+        self.space.prepare(self.despot, shared);
         let mut expansions = std::mem::take(&mut self.space.expansions);
         let mut scratch = std::mem::take(&mut self.space.scratch);
         let per_task = if shared { PER_TASK } else { expansions.len() };

@@ -7,6 +7,7 @@
 //!
 //! Viewpoints with the same moves at the same costs are one *group*: in the paper's model there is one.
 
+mod candidates;
 mod plan_set;
 mod solve;
 mod stored;
@@ -14,6 +15,8 @@ mod stored;
 use nalgebra::DVector;
 
 use crate::model::{Action, SortingModel};
+use candidates::Range;
+pub(crate) use candidates::Weighed;
 use plan_set::{ConditionalPlan, PlanSet};
 
 /// Plans for one object, and what executing the best of them for ever is worth.
@@ -25,6 +28,8 @@ pub struct OneObjectPolicy {
     plans: Vec<PlanSet>,
     /// Value of starting with an unseen object, per group.
     arrival_values: Vec<f64>,
+    /// What may follow an object, by the number of visible objects behind it.
+    continuations: Vec<Range>,
 }
 
 impl OneObjectPolicy {
@@ -54,6 +59,38 @@ impl OneObjectPolicy {
     #[inline(always)]
     pub(crate) fn best(&self, group: usize, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
         self.plans[group].best(belief, continuation)
+    }
+
+    /// `G` and `D_s` at a belief of the plans from a group that may be best before so many visible objects.
+    pub(crate) fn candidates(
+        &self,
+        (group, behind): (usize, usize),
+        belief: &[f64],
+        found: &mut Vec<f64>,
+        weighed: &mut Weighed,
+    ) {
+        self.plans[group].candidates(belief, &self.continuations[behind], found, weighed);
+    }
+
+    /// Know what may follow an object, whatever is known of those behind it: no worse than the plan with the best
+    /// worst case, no better than the best plan for the best class.
+    fn bound_continuations(&mut self, positions: usize) {
+        let (mut worst, mut best) = (self.arrival_values.clone(), self.arrival_values.clone());
+        self.continuations.clear();
+        self.plans.iter_mut().for_each(|set| set.settle(&self.arrival_values));
+        for _ in 0..positions {
+            let centre = worst.iter().zip(&best).map(|(a, b)| 0.5 * (a + b)).collect();
+            let radius = worst.iter().zip(&best).map(|(a, b)| 0.5 * (b - a)).collect();
+            self.continuations.push(Range { centre, radius });
+            worst = self.best_over_plans(|plan| plan.values(&worst).fold(f64::INFINITY, f64::min));
+            best = self.best_over_plans(|plan| plan.values(&best).fold(f64::NEG_INFINITY, f64::max));
+        }
+    }
+
+    /// The highest score of any plan, per group.
+    fn best_over_plans(&self, score: impl Fn(&ConditionalPlan) -> f64) -> Vec<f64> {
+        let top = |set: &PlanSet| set.plans().iter().map(&score).fold(f64::NEG_INFINITY, f64::max);
+        self.plans.iter().map(top).collect()
     }
 
     /// Value of what follows the object at the belt end, per group: the objects behind it, each by the best plan

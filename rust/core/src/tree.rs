@@ -6,7 +6,6 @@
 
 use std::ops::Range;
 
-use crate::belief::Memory;
 use crate::model::{Action, SortingModel};
 
 /// Scaled values of a belief or an edge.
@@ -86,6 +85,13 @@ pub(crate) struct Edge {
     stale: bool,
 }
 
+/// What is known about one object: a label of a look, each by its number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Object {
+    pub look: u32,
+    pub label: u32,
+}
+
 /// Where in the tree a child is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
@@ -111,10 +117,8 @@ pub(crate) struct Node {
     pub labels: u64,
     /// Scaled value of the default policy, `l_0` of the DESPOT paper.
     pub default: f64,
-    /// The exact belief, one distribution per position.
-    pub belief: Vec<f64>,
-    /// The last labels.
-    pub memory: Memory,
+    /// The objects at the positions, the belt end's first: the exact belief.
+    pub objects: Vec<Object>,
     /// Plane of the scenarios that come here.
     pub scenarios: Vec<u64>,
     /// The actions.

@@ -4,7 +4,7 @@ use super::*;
 use crate::belief::Belief;
 use crate::testing::{all_labels, belief_of, enumerable_models, enumerated_value, seeded, small_models};
 
-impl Look {
+impl Foresight {
     /// Value of following the chosen plans after the given labels, one per position.
     pub(crate) fn value_after(&self, policy: &OneObjectPolicy, labels: &[usize]) -> f64 {
         let mut behind = policy.arrival_values().to_vec();
@@ -13,7 +13,7 @@ impl Look {
             self.value_from(j, *z, &behind, &mut here);
             behind = here;
         }
-        behind[self.group]
+        behind[self.group()]
     }
 }
 
@@ -41,26 +41,27 @@ proptest! {
         let model = SortingModel::new(spec).unwrap();
         let policy = OneObjectPolicy::solve(&model);
         let belief = Belief::new(&model);
-        let mut look = Look::default();
-        look.take(&model, &policy, belief.as_slice(), belief.memory(), 0);
+        let looks = looks(&model, &policy, (belief.as_slice(), belief.memory()), 0);
+        let mut scan = Foresight::default();
+        scan.take(&policy, looks.iter(), 0);
         let labels = all_labels(&model);
         let probability = |z: &Vec<usize>| -> f64 {
-            z.iter().enumerate().map(|(j, z)| look.probability(j, *z)).product()
+            z.iter().enumerate().map(|(j, z)| scan.probability(j, *z)).product()
         };
         let mass: f64 = labels.iter().map(probability).sum();
-        let value: f64 = labels.iter().map(|z| probability(z) * look.value_after(&policy, z)).sum();
+        let value: f64 = labels.iter().map(|z| probability(z) * scan.value_after(&policy, z)).sum();
         prop_assert!((mass - 1.0).abs() < 1e-12);
-        prop_assert!((value - look.value()).abs() < 1e-9 * (1.0 + value.abs()));
+        prop_assert!((value - scan.value()).abs() < 1e-9 * (1.0 + value.abs()));
         for z in labels {
             let mut posterior = belief.clone();
             let seen: Vec<_> = z.iter().map(|z| Some(*z)).collect();
             posterior.observe(&model, 0, &seen).unwrap();
-            let taken_apart = z.iter().enumerate().flat_map(|(j, z)| look.posterior(j, *z));
+            let taken_apart = z.iter().enumerate().flat_map(|(j, z)| looks[j].posterior(*z));
             for (a, b) in taken_apart.zip(posterior.as_slice()) {
                 prop_assert!((a - b).abs() < 1e-12);
             }
             let best = lower(&model, &policy, posterior.as_slice(), 0);
-            prop_assert!(look.value_after(&policy, &z) <= best + 1e-9, "plans chosen later are no worse");
+            prop_assert!(scan.value_after(&policy, &z) <= best + 1e-9, "plans chosen later are no worse");
         }
     }
 }

@@ -1,13 +1,13 @@
 //! A scan in the tree: a child per label vector that some scenario gives; the other labels follow the default policy.
 
 use super::Despot;
+use super::objects::Objects;
 use super::shortfall::Prospect;
-use crate::belief::{Memory, information, most_likely};
-use crate::bounds::{self, Look};
+use crate::bounds::{self, Foresight, Look, Sighting};
 use crate::model::{Action, SortingModel};
 use crate::planes;
 use crate::scenario::{LabelPlanes, LookPoint};
-use crate::tree::{Child, Node, Values};
+use crate::tree::{Child, Node, Object, Values};
 
 /// Where in the scenarios a scan is taken.
 #[derive(Debug, Clone, Copy)]
@@ -33,24 +33,10 @@ impl Scan {
         }
     }
 
-    /// Its look at one position.
+    /// One of its looks.
     #[inline(always)]
-    pub(super) fn look(&self, model: &SortingModel, memory: &Memory, position: usize) -> LookPoint {
-        let &Self { depth, decisions, viewpoint } = self;
-        LookPoint { depth, decisions, viewpoint, position, last: memory.last(model, position, viewpoint) }
-    }
-
-    /// Reward for what it is expected to tell.
-    #[inline(always)]
-    pub(super) fn bonus(&self, model: &SortingModel, belief: &[f64], memory: &Memory) -> f64 {
-        let alpha = model.spec().information_gain;
-        if alpha == 0.0 {
-            return 0.0;
-        }
-        let told = |(j, position): (usize, &[f64])| {
-            information(model, position, j, self.viewpoint, memory.last(model, j, self.viewpoint))
-        };
-        alpha * belief.chunks_exact(model.class_count()).enumerate().map(told).sum::<f64>()
+    pub(super) fn look(&self, Sighting { position, viewpoint, last }: Sighting) -> LookPoint {
+        LookPoint { depth: self.depth, decisions: self.decisions, viewpoint, position, last }
     }
 }
 
@@ -58,7 +44,9 @@ impl Scan {
 /// scenarios are left. The buffers are reused.
 #[derive(Debug, Default)]
 pub(super) struct Brancher {
-    look: Look,
+    foresight: Foresight,
+    /// Where in the scenarios each look is.
+    points: Vec<LookPoint>,
     /// Upper bound after each label of the object at the belt end.
     uppers: Vec<f64>,
     /// Label of each position.
@@ -76,25 +64,27 @@ pub(super) struct Brancher {
 }
 
 impl Brancher {
-    /// Take a scan apart.
+    /// Take a scan of objects apart; the bonus that it is expected to earn.
     #[inline(always)]
-    pub(super) fn take(&mut self, despot: &Despot, belief: &[f64], memory: &Memory, scan: &Scan) {
+    pub(super) fn take(&mut self, despot: &Despot, known: &Objects, objects: &[Object], scan: &Scan) -> f64 {
         let model = &despot.model;
-        self.look.take(model, &despot.default_policy, belief, memory, scan.viewpoint);
-        let upper =
-            |z| bounds::upper_knowing(model, most_likely(self.look.posterior(0, z)).1, scan.viewpoint);
+        let looks = known.looks(objects, scan.viewpoint);
+        self.foresight.take(&despot.default_policy, looks.clone(), scan.viewpoint);
+        self.points.clear();
         self.uppers.clear();
-        self.uppers.extend((0..model.class_count()).map(upper));
+        for (position, object) in objects.iter().enumerate() {
+            self.points.push(scan.look(known.sighting(*object, position, scan.viewpoint)));
+        }
+        let upper = bounds::upper_knowing(model, scan.viewpoint);
+        for look in looks.clone().take(1) {
+            self.uppers.extend((0..model.class_count()).map(|z| upper(look.most_likely(z).1)));
+        }
+        model.spec().information_gain * looks.map(Look::information).sum::<f64>()
     }
 
     /// A child per label vector that a scenario gives.
     #[inline(always)]
-    pub(super) fn branch(
-        &mut self,
-        despot: &Despot,
-        labels: &LabelPlanes,
-        (node, scan, memory): (&mut Node, &Scan, &Memory),
-    ) {
+    pub(super) fn branch(&mut self, despot: &Despot, labels: &LabelPlanes, node: &mut Node) {
         let (l, h) = (despot.model.class_count(), despot.model.position_count());
         self.start(despot, &node.scenarios);
         let mut j = h - 1;
@@ -105,7 +95,7 @@ impl Brancher {
                 if j == h {
                     return;
                 }
-            } else if self.enter(despot, labels, scan.look(&despot.model, memory, j)) {
+            } else if self.enter(despot, labels, self.points[j]) {
                 if j > 0 {
                     j -= 1;
                     continue;
@@ -138,16 +128,16 @@ impl Brancher {
     fn enter(&mut self, despot: &Despot, labels: &LabelPlanes, at: LookPoint) -> bool {
         let (j, z) = (at.position, self.labels[at.position]);
         let (words, g) = (self.planes.len() / self.probabilities.len(), despot.default_policy.group_count());
-        let probability = self.probabilities[j + 1] * self.look.probability(j, z);
+        let probability = self.probabilities[j + 1] * self.foresight.probability(j, z);
         let (here, behind) = self.planes.split_at_mut((j + 1) * words);
         let given = labels.label(at, z);
         if probability <= 0.0 || !planes::intersect(&behind[..words], given, &mut here[j * words..]) {
             return false;
         }
         let (here, behind) = self.worth.split_at_mut((j + 1) * g);
-        self.look.value_from(j, z, &behind[..g], &mut here[j * g..]);
+        self.foresight.value_from(j, z, &behind[..g], &mut here[j * g..]);
         self.probabilities[j] = probability;
-        self.entropies[j] = self.entropies[j + 1] + self.look.entropy(j, z);
+        self.entropies[j] = self.entropies[j + 1] + self.foresight.entropy(j, z);
         true
     }
 
@@ -156,7 +146,7 @@ impl Brancher {
     fn child(&mut self, despot: &Despot, node: &Node) -> Child {
         let l = despot.model.class_count() as u64;
         let probability = self.probabilities[0];
-        let (value, entropy) = (self.worth[self.look.group()], self.entropies[0]);
+        let (value, entropy) = (self.worth[self.foresight.group()], self.entropies[0]);
         self.branched.mass += probability;
         self.branched.value += probability * value;
         self.branched.entropy += probability * entropy;
@@ -173,8 +163,8 @@ impl Brancher {
         let next = scale * despot.model.discount();
         let rest = Prospect {
             mass: next * (1.0 - self.branched.mass).max(0.0),
-            value: next * (self.look.value() - self.branched.value),
-            entropy: next * (self.look.expected_entropy() - self.branched.entropy),
+            value: next * (self.foresight.value() - self.branched.value),
+            entropy: next * (self.foresight.expected_entropy() - self.branched.entropy),
         };
         let bound = scale * reward + rest.value - despot.config.regularization;
         Values { estimate: bound + despot.shortfall.at(rest), ..Values::all(bound) }

@@ -1,14 +1,13 @@
 //! Expanding a leaf: all its actions, each with its children.
 
+use super::Despot;
 use super::branch::{Brancher, Scan};
 use super::shortfall::left_to_learn;
 use super::workspace::Workspace;
-use super::{Despot, follow};
-use crate::belief::{Memory, most_likely, shift};
 use crate::bounds;
 use crate::model::Action;
 use crate::planes;
-use crate::tree::{Child, Node, Values, seen};
+use crate::tree::{Child, Node, Object, Values, seen};
 
 /// A chosen leaf, on its way to become a node; nothing of it is in the tree yet.
 #[derive(Debug, Default)]
@@ -34,8 +33,8 @@ impl Expansion {
 /// Buffers of one thread.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    /// What is known once the belt has advanced.
-    advanced: (Vec<f64>, Memory),
+    /// The objects once the belt has advanced, and the belief about them.
+    advanced: (Vec<Object>, Vec<f64>),
     brancher: Brancher,
 }
 
@@ -61,54 +60,47 @@ impl pulp::NullaryFnOnce for Run<'_> {
 }
 
 impl Run<'_> {
-    /// Belief and scenarios of the leaf, from its parent's.
+    /// Scenarios of the leaf, from its parent's.
     #[inline(always)]
     fn arrive(&mut self) {
         let Self { node, despot, space, .. } = self;
-        node.belief.clear();
         node.scenarios.clear();
         let Some(at) = node.place else {
-            node.belief.extend(&space.root.0);
-            node.memory.clone_from(&space.root.1);
             node.scenarios.extend(planes::first(despot.config.scenarios));
             return;
         };
         let parent = &space.tree.nodes[at.node as usize];
-        let action = parent.edges[at.edge as usize].action;
-        node.belief.extend(&parent.belief);
-        node.memory.clone_from(&parent.memory);
         node.scenarios.extend(&parent.scenarios);
-        if let Some(scan) = Scan::of(&despot.model, parent, action) {
-            let before =
-                if matches!(action, Action::Decide(_)) { &Memory::default() } else { &parent.memory };
-            for (j, z) in seen(&despot.model, node.labels).enumerate() {
-                let plane = space.labels.label(scan.look(&despot.model, before, j), z);
+        if let Some(scan) = Scan::of(&despot.model, parent, parent.edges[at.edge as usize].action) {
+            for (object, z) in node.objects.iter().zip(seen(&despot.model, node.labels)) {
+                let plane = space.labels.label(scan.look(space.objects.told_by(*object)), z);
                 for (word, plane) in node.scenarios.iter_mut().zip(plane) {
                     *word &= plane;
                 }
             }
         }
-        let known = (&mut node.belief[..], &mut node.memory);
-        follow(&despot.model, known, action, (node.viewpoint, node.labels));
     }
 
     /// Decide the most likely label and advance the belt; if a scan follows, see what it gives.
     #[inline(always)]
     fn decide(&mut self) {
-        let Self { node, despot, space, scratch: Scratch { advanced: (belief, memory), brancher } } = self;
+        let Self { node, despot, space, scratch: Scratch { advanced: (objects, belief), brancher } } = self;
         let model = &despot.model;
-        let (label, p_right) = most_likely(&node.belief[..model.class_count()]);
+        let (label, p_right) = space.objects.most_likely(node.objects[0]);
         let action = Action::Decide(label);
-        belief.clone_from(&node.belief);
-        memory.clone_from(&node.memory);
-        shift(model, belief, memory);
+        objects.clone_from(&node.objects);
+        space.objects.shift(objects);
         let reward = model.decision_reward(p_right);
         let first = node.children.len();
         let fixed = if let Some(scan) = Scan::of(model, node, action) {
-            brancher.take(despot, belief, memory, &scan);
-            brancher.branch(despot, &space.labels, (node, &scan, memory));
-            brancher.fixed(despot, node, reward + scan.bonus(model, belief, memory))
+            let bonus = brancher.take(despot, &space.objects, objects, &scan);
+            brancher.branch(despot, &space.labels, node);
+            brancher.fixed(despot, node, reward + bonus)
         } else {
+            belief.clear();
+            for object in objects.iter() {
+                belief.extend(space.objects.distribution(*object));
+            }
             let value = bounds::lower(model, &despot.default_policy, belief, node.viewpoint);
             let upper = bounds::upper(model, belief, node.viewpoint);
             let below = (node.depth + 1, node.probability);
@@ -122,15 +114,12 @@ impl Run<'_> {
     /// Move and scan.
     #[inline(always)]
     fn move_to(&mut self, to: usize) {
-        let Self { node, despot, space, scratch: Scratch { advanced: (_, memory), brancher } } = self;
-        let model = &despot.model;
+        let Self { node, despot, space, scratch: Scratch { brancher, .. } } = self;
         let scan = Scan { depth: node.depth, decisions: node.decisions, viewpoint: to };
-        memory.clone_from(&node.memory);
-        let reward = scan.bonus(model, &node.belief, memory) - model.motion_cost(node.viewpoint, to);
         let first = node.children.len();
-        brancher.take(despot, &node.belief, memory, &scan);
-        brancher.branch(despot, &space.labels, (node, &scan, memory));
-        let fixed = brancher.fixed(despot, node, reward);
+        let bonus = brancher.take(despot, &space.objects, &node.objects, &scan);
+        brancher.branch(despot, &space.labels, node);
+        let fixed = brancher.fixed(despot, node, bonus - despot.model.motion_cost(node.viewpoint, to));
         node.push_edge(Action::Move(to), fixed, first);
     }
 }

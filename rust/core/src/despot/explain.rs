@@ -1,12 +1,11 @@
 //! The searched tree as plain data: why an action was chosen.
 
 use super::branch::Scan;
-use super::follow;
 use super::plan::Plan;
-use crate::belief::Memory;
+use super::workspace::Workspace;
 use crate::model::{Action, SortingModel};
 use crate::planes;
-use crate::tree::{Child, Edge, Node, Tree, Values, indices, seen};
+use crate::tree::{Child, Edge, Node, Object, Values, indices, seen};
 
 /// A belief of the tree. Values are in the unit of the rewards, as seen from this belief.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,27 +56,30 @@ impl Plan {
     /// The searched tree down to `depth` planner steps below the root.
     #[must_use]
     pub fn tree(&self, depth: usize) -> TreeNode {
-        let view = View { model: &self.model, tree: &self.space.tree };
-        let tree = view.tree;
-        view.node((&tree.root, 0, tree.viewpoint), &self.space.root, depth)
+        let view = View { model: &self.model, space: &self.space };
+        let tree = &self.space.tree;
+        let objects: Vec<_> = self.space.objects.at_root().collect();
+        view.node((&tree.root, 0, tree.viewpoint), &objects, depth)
     }
 }
 
-/// Belief and last labels.
-type Known = (Vec<f64>, Memory);
-
 struct View<'a> {
     model: &'a SortingModel,
-    tree: &'a Tree,
+    space: &'a Workspace,
 }
 
 impl View<'_> {
     /// A child at a depth, with the viewpoint.
-    fn node(&self, (child, at, viewpoint): (&Child, usize, usize), known: &Known, depth: usize) -> TreeNode {
-        let node = child.node.map(|node| &self.tree.nodes[node as usize]);
+    fn node(
+        &self,
+        (child, at, viewpoint): (&Child, usize, usize),
+        objects: &[Object],
+        depth: usize,
+    ) -> TreeNode {
+        let node = child.node.map(|node| &self.space.tree.nodes[node as usize]);
         let Values { lower, upper, estimate } = self.unscaled(at, child.probability, child.values);
         let shown = node.filter(|_| depth > 0);
-        let actions = shown.map_or_else(Vec::new, |node| self.actions(node, known, depth));
+        let actions = shown.map_or_else(Vec::new, |node| self.actions(node, objects, depth));
         TreeNode {
             viewpoint,
             value: estimate,
@@ -85,32 +87,39 @@ impl View<'_> {
             upper,
             scenarios: node.map(|node| planes::count(&node.scenarios)),
             actions,
-            belief: known.0.chunks_exact(self.model.class_count()).map(<[f64]>::to_vec).collect(),
+            belief: objects.iter().map(|object| self.space.objects.distribution(*object).to_vec()).collect(),
         }
     }
 
-    fn actions(&self, node: &Node, known: &Known, depth: usize) -> Vec<TreeAction> {
-        node.edges.iter().map(|edge| self.action(node, known, edge, depth)).collect()
+    fn actions(&self, node: &Node, objects: &[Object], depth: usize) -> Vec<TreeAction> {
+        node.edges.iter().map(|edge| self.action(node, objects, edge, depth)).collect()
     }
 
-    fn action(&self, from: &Node, known: &Known, edge: &Edge, depth: usize) -> TreeAction {
+    fn action(&self, from: &Node, objects: &[Object], edge: &Edge, depth: usize) -> TreeAction {
         let Values { lower, upper, estimate } = self.unscaled(from.depth, from.probability, edge.values);
         let children = &from.children[indices(&edge.children)];
         let mut branches: Vec<_> =
-            children.iter().map(|child| self.branch(from, known, edge.action, child, depth)).collect();
+            children.iter().map(|child| self.branch(from, objects, edge.action, child, depth)).collect();
         branches.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         TreeAction { action: edge.action, value: estimate, lower, upper, branches }
     }
 
-    fn branch(&self, from: &Node, known: &Known, action: Action, child: &Child, depth: usize) -> TreeBranch {
-        let (mut belief, mut memory) = known.clone();
+    fn branch(
+        &self,
+        from: &Node,
+        objects: &[Object],
+        action: Action,
+        child: &Child,
+        depth: usize,
+    ) -> TreeBranch {
+        let mut objects = objects.to_vec();
         let (below, _, viewpoint) = from.after(action);
-        follow(self.model, (&mut belief, &mut memory), action, (viewpoint, child.labels));
+        self.space.follow(self.model, (from, action), child.labels, &mut objects);
         let scan = Scan::of(self.model, from, action);
         TreeBranch {
             probability: child.probability / from.probability,
             labels: scan.map(|_| seen(self.model, child.labels).collect()),
-            node: self.node((child, below, viewpoint), &(belief, memory), depth - 1),
+            node: self.node((child, below, viewpoint), &objects, depth - 1),
         }
     }
 

@@ -108,7 +108,7 @@ impl Search<'_> {
             .iter()
             .fold(&root.edges[0], |best, edge| if worth(edge) > worth(best) { edge } else { best });
         if self.regularised() && worth(best) < root.default {
-            return default_policy.action(model, &self.space.root.0, root.viewpoint);
+            return default_policy.action(model, &self.space.root, root.viewpoint);
         }
         best.action
     }
@@ -116,7 +116,7 @@ impl Search<'_> {
     /// Value of each decision: they differ from the best one in their immediate reward only.
     fn decisions(&self, best: usize, value: f64) -> impl Iterator<Item = (Action, f64)> + '_ {
         let model = &self.despot.model;
-        let belief = &self.space.root.0;
+        let belief = &self.space.root;
         let reward = |label: usize| model.decision_reward(belief[label]);
         (0..model.class_count())
             .map(move |label| (Action::Decide(label), value + reward(label) - reward(best)))

@@ -8,9 +8,8 @@
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 
-use super::branch::Scan;
 use crate::belief::{Memory, condition, entropy, most_likely, shift};
-use crate::bounds::{self, Look};
+use crate::bounds::{self, Foresight, Look};
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
 use crate::sampling::{Purpose, invert, stream};
@@ -105,7 +104,7 @@ struct Walk<'a> {
     memory: Memory,
     viewpoint: usize,
     /// One per action.
-    looks: Vec<Look>,
+    scans: Vec<Foresight>,
 }
 
 impl<'a> Walk<'a> {
@@ -117,7 +116,7 @@ impl<'a> Walk<'a> {
             belief: model.arrival().as_slice().repeat(model.position_count()),
             memory: Memory::new(model),
             viewpoint: 0,
-            looks: (0..=model.viewpoint_count()).map(|_| Look::default()).collect(),
+            scans: (0..=model.viewpoint_count()).map(|_| Foresight::default()).collect(),
         }
     }
 
@@ -155,7 +154,7 @@ impl<'a> Walk<'a> {
 
     fn observe(&mut self, action: usize) {
         for j in 0..self.model.position_count() {
-            let probabilities = self.looks[action].probabilities_of(j);
+            let probabilities = self.scans[action].probabilities_of(j);
             let label = invert(probabilities.iter().copied(), self.rng.random::<f64>());
             condition(self.model, &mut self.belief, &mut self.memory, (j, self.viewpoint, label));
         }
@@ -190,9 +189,10 @@ impl<'a> Walk<'a> {
         belief: &[f64],
         memory: &Memory,
     ) -> (f64, Prospect) {
-        let look = &mut self.looks[action];
-        look.take(self.model, self.policy, belief, memory, viewpoint);
-        let bonus = Scan { depth: 0, decisions: 0, viewpoint }.bonus(self.model, belief, memory);
-        (bonus, Prospect { mass: 1.0, value: look.value(), entropy: look.expected_entropy() })
+        let looks = bounds::looks(self.model, self.policy, (belief, memory), viewpoint);
+        let bonus = self.model.spec().information_gain * looks.iter().map(Look::information).sum::<f64>();
+        let scan = &mut self.scans[action];
+        scan.take(self.policy, looks.iter(), viewpoint);
+        (bonus, Prospect { mass: 1.0, value: scan.value(), entropy: scan.expected_entropy() })
     }
 }

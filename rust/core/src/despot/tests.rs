@@ -2,8 +2,8 @@ use proptest::prelude::*;
 
 use super::branch::Scan;
 use super::*;
-use crate::bounds::Look;
-use crate::model::ModelSpec;
+use crate::bounds::{Foresight, Sighting};
+use crate::model::{Action, ModelSpec};
 use crate::scenario::LabelPlanes;
 use crate::testing::{all_labels, from_weights, models_in_full, paper, seeded, small_models};
 
@@ -69,15 +69,20 @@ impl BruteForce<'_> {
     /// Expected value over the labels of a scan that ends a step: `at` is what follows, its labels not yet seen.
     fn scanned(&mut self, at: &Place) -> f64 {
         let Despot { model, default_policy, .. } = self.despot;
-        let mut look = Look::default();
-        look.take(model, default_policy, at.belief.as_slice(), at.belief.memory(), at.viewpoint);
+        let known = (at.belief.as_slice(), at.belief.memory());
+        let mut scan = Foresight::default();
+        scan.take(
+            default_policy,
+            bounds::looks(model, default_policy, known, at.viewpoint).iter(),
+            at.viewpoint,
+        );
         let mut value = 0.0;
         for z in all_labels(model) {
-            let p: f64 = z.iter().enumerate().map(|(j, z)| look.probability(j, *z)).product();
+            let p: f64 = z.iter().enumerate().map(|(j, z)| scan.probability(j, *z)).product();
             if p == 0.0 {
                 continue;
             }
-            let default = look.value_after(default_policy, &z);
+            let default = scan.value_after(default_policy, &z);
             let mut below = Place { scenarios: self.through(at, &z), mass: at.mass * p, ..at.clone() };
             let seen: Vec<_> = z.iter().map(|z| Some(*z)).collect();
             below.belief.observe(model, at.viewpoint, &seen).unwrap();
@@ -92,7 +97,8 @@ impl BruteForce<'_> {
         let scan = Scan { depth: at.depth - 1, decisions: at.decisions, viewpoint: at.viewpoint };
         let mut scenarios = at.scenarios.clone();
         for (position, &z) in labels.iter().enumerate() {
-            let look = scan.look(model, at.belief.memory(), position);
+            let last = at.belief.last_label(model, position, at.viewpoint);
+            let look = scan.look(Sighting { position, viewpoint: at.viewpoint, last });
             self.labels.require(model, randoms, std::iter::once(look), false);
             let plane = self.labels.label(look, z);
             scenarios.retain(|i| plane[i / 64] >> (i % 64) & 1 == 1);

@@ -3,12 +3,14 @@
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::Despot;
 use super::branch::Scan;
 use super::expand::{Expansion, Scratch};
-use crate::belief::{Belief, Memory};
+use super::objects::Objects;
+use crate::belief::Belief;
 use crate::model::{Action, SortingModel};
-use crate::scenario::{LabelPlanes, LookPoint, Randoms};
-use crate::tree::{Child, Node, Place, Tree, id, seen};
+use crate::scenario::{LabelPlanes, LookPoint};
+use crate::tree::{Child, Node, Object, Place, Tree, id, seen};
 
 /// Nodes that are kept for the next plan at most: an occasional long search would hold its memory for ever.
 const MOST_KEPT: usize = 100_000;
@@ -18,12 +20,15 @@ const MOST_KEPT: usize = 100_000;
 pub(crate) struct Workspace {
     pub tree: Tree,
     pub labels: LabelPlanes,
-    /// What is known at the root: belief, one distribution per position, and last labels.
-    pub root: (Vec<f64>, Memory),
+    pub objects: Objects,
+    /// The belief at the root, one distribution per position.
+    pub root: Vec<f64>,
     /// The leaves of a batch.
     pub expansions: Vec<Expansion>,
     /// One per task.
     pub scratch: Vec<Scratch>,
+    /// The looks of a batch.
+    points: Vec<LookPoint>,
     /// Nodes to be used again.
     spare: Vec<Node>,
 }
@@ -32,61 +37,75 @@ impl Workspace {
     /// Forget the last search and start from a root.
     pub(super) fn restart(
         &mut self,
-        model: &SortingModel,
-        randoms: &Randoms,
+        Despot { model, default_policy, randoms, .. }: &Despot,
         (belief, viewpoint): (&Belief, usize),
         root: Child,
     ) {
-        self.root = (belief.as_slice().to_vec(), belief.memory().clone());
+        self.root = belief.as_slice().to_vec();
         self.labels.restart(model, randoms, belief.as_slice());
+        self.objects.restart(model, default_policy, belief);
         self.spare.extend(self.tree.nodes.drain(..).rev());
         (self.tree.root, self.tree.viewpoint) = (root, viewpoint);
     }
 
     /// Choose a leaf for an expansion; until it is attached the leaf counts as settled.
-    pub(super) fn choose(&mut self, leaf: Option<Place>) {
+    pub(super) fn choose(&mut self, model: &SortingModel, leaf: Option<Place>) {
         let mut node = self.spare.pop().unwrap_or_default();
         node.restart(&self.tree, leaf);
+        node.objects.clear();
+        if let Some(Place { node: parent, edge, .. }) = leaf {
+            let parent = &self.tree.nodes[parent as usize];
+            node.objects.extend(&parent.objects);
+            let action = parent.edges[edge as usize].action;
+            self.follow(model, (parent, action), node.labels, &mut node.objects);
+        } else {
+            node.objects.extend(self.objects.at_root());
+        }
         self.expansions.push(Expansion { node, values: self.tree.child(leaf).values });
         self.tree.settle(leaf);
     }
 
-    /// Have the label planes that the chosen leaves need.
-    pub(super) fn require_labels(&mut self, model: &SortingModel, randoms: &Randoms, parallel: bool) {
-        let mut labels = std::mem::take(&mut self.labels);
-        let leaves = self.expansions.iter().map(|expansion| &expansion.node);
-        randoms.reach(leaves.clone().map(|node| node.depth).max().unwrap_or(0), parallel);
-        labels.require(model, randoms, leaves.flat_map(|node| self.looks_at(model, node)), parallel);
-        self.labels = labels;
-    }
-
-    /// The looks that any action at a leaf brings.
-    fn looks_at(&self, model: &SortingModel, node: &Node) -> impl Iterator<Item = LookPoint> {
-        let memory = self.memory_at(model, node);
-        let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
-        let scans = moves.chain([Action::Decide(0)]).filter_map(|action| Scan::of(model, node, action));
-        scans.flat_map(move |scan| {
-            let decided = scan.decisions > node.decisions;
-            let memory = if decided { Memory::default() } else { memory.clone() };
-            (0..model.position_count()).map(move |position| scan.look(model, &memory, position))
-        })
-    }
-
-    /// The last labels at a leaf.
-    fn memory_at(&self, model: &SortingModel, leaf: &Node) -> Memory {
-        let Some(Place { node, edge, .. }) = leaf.place else { return self.root.1.clone() };
-        let parent = &self.tree.nodes[node as usize];
-        let action = parent.edges[edge as usize].action;
-        let mut memory = parent.memory.clone();
+    /// The objects after an action at a node, given the code of the labels that it has brought.
+    pub(super) fn follow(
+        &self,
+        model: &SortingModel,
+        (node, action): (&Node, Action),
+        labels: u64,
+        objects: &mut [Object],
+    ) {
         if let Action::Decide(_) = action {
-            memory.clear();
+            self.objects.shift(objects);
         }
-        if Scan::of(model, parent, action).is_some() {
-            for (position, label) in seen(model, leaf.labels).enumerate() {
-                memory.remember(model, position, leaf.viewpoint, label);
+        if let Some(scan) = Scan::of(model, node, action) {
+            for ((j, z), object) in seen(model, labels).enumerate().zip(objects) {
+                *object = self.objects.after(*object, (j, scan.viewpoint), z);
             }
         }
-        memory
+    }
+
+    /// Have all that the expansions of the chosen leaves share.
+    pub(super) fn prepare(&mut self, Despot { model, default_policy, randoms, .. }: &Despot, parallel: bool) {
+        let depths = self.expansions.iter().map(|expansion| expansion.node.depth);
+        randoms.reach(depths.max().unwrap_or(0), parallel);
+        let (first, mut objects) = (self.objects.count(), Vec::new());
+        let mut points = std::mem::take(&mut self.points);
+        for Expansion { node, .. } in &self.expansions {
+            let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
+            for action in moves.chain([Action::Decide(0)]) {
+                let Some(scan) = Scan::of(model, node, action) else { continue };
+                objects.clone_from(&node.objects);
+                if let Action::Decide(_) = action {
+                    self.objects.shift(&mut objects);
+                }
+                self.objects.require(model, &objects, scan.viewpoint);
+                points.extend(objects.iter().enumerate().map(|(position, object)| {
+                    scan.look(self.objects.sighting(*object, position, scan.viewpoint))
+                }));
+            }
+        }
+        self.objects.work_out(model, default_policy, first, parallel);
+        self.labels.require(model, randoms, points.drain(..), parallel);
+        self.points = points;
     }
 
     /// Put the expansions for which there was time into the tree, in the order in which they were chosen.

@@ -6,7 +6,7 @@ use super::dot;
 use crate::model::Action;
 
 /// Plans weighed at once; their numbers lie next to each other in memory.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 const NUMBERS: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// A conditional plan for one object.
@@ -33,6 +33,14 @@ impl ConditionalPlan {
         self.discount_to.as_slice().chunks_exact(belief.len()).map(move |row| dot(belief, row))
     }
 
+    /// Value for each class when `continuation[s]` follows.
+    pub(crate) fn values(&self, continuation: &[f64]) -> impl Iterator<Item = f64> {
+        let l = self.gain.len();
+        let discounted =
+            move |c| continuation.iter().enumerate().map(move |(s, w)| self.discount_to[s * l + c] * w);
+        (0..l).map(move |c| self.gain[c] + discounted(c).sum::<f64>())
+    }
+
     /// Value at a belief when `continuation[s]` follows.
     pub(crate) fn value(&self, belief: &[f64], continuation: &[f64]) -> f64 {
         self.gain_at(belief) + self.discounts_at(belief).zip(continuation).map(|(d, w)| d * w).sum::<f64>()
@@ -42,16 +50,25 @@ impl ConditionalPlan {
 /// The plans of one viewpoint group; never empty.
 #[derive(Debug, Clone)]
 pub(crate) struct PlanSet {
-    plans: Vec<ConditionalPlan>,
+    pub(super) plans: Vec<ConditionalPlan>,
     /// Blocks of [`LANES`] plans; in a block the `G(c)` of all its plans, class by class, then the `D_s(c)`.
-    blocks: Vec<[f64; LANES]>,
-    arch: pulp::Arch,
+    pub(super) blocks: Vec<[f64; LANES]>,
+    /// The same of the plans' values when unseen objects follow: class by class, and nothing else.
+    pub(super) settled: Vec<[f64; LANES]>,
+    pub(super) arch: pulp::Arch,
 }
 
 impl PlanSet {
     pub(crate) fn new(plans: Vec<ConditionalPlan>) -> Self {
         let blocks = plans.chunks(LANES).flat_map(block).collect();
-        Self { plans, blocks, arch: pulp::Arch::new() }
+        Self { plans, blocks, settled: Vec::new(), arch: pulp::Arch::new() }
+    }
+
+    /// Know what unseen objects are worth, per group.
+    pub(crate) fn settle(&mut self, arrival_values: &[f64]) {
+        let values = |plan: &ConditionalPlan| plan.values(arrival_values).collect();
+        let rows: Vec<Vec<f64>> = self.plans.iter().map(values).collect();
+        self.settled = rows.chunks(LANES).flat_map(|rows| lanes(rows, rows[0].len())).collect();
     }
 
     pub(crate) fn plans(&self) -> &[ConditionalPlan] {
@@ -66,13 +83,11 @@ impl PlanSet {
     }
 }
 
-/// Index and value of the best plan: lane by lane first, so that the lanes run side by side.
-///
-/// Products and sums are not fused, so that all processors agree to the bit.
-struct Best<'a> {
-    blocks: &'a [[f64; LANES]],
-    belief: &'a [f64],
-    continuation: &'a [f64],
+/// Index and value of the best plan. Products and sums are not fused, so that all processors agree to the bit.
+pub(super) struct Best<'a> {
+    pub blocks: &'a [[f64; LANES]],
+    pub belief: &'a [f64],
+    pub continuation: &'a [f64],
 }
 
 impl pulp::WithSimd for Best<'_> {
@@ -80,32 +95,75 @@ impl pulp::WithSimd for Best<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) -> (usize, f64) {
-        let l = self.belief.len();
-        let mut best = simd.splat_f64s(f64::NEG_INFINITY);
-        let mut found = simd.splat_f64s(0.0);
-        let mut first = 0.0;
-        for block in self.blocks.chunks_exact(l * (1 + self.continuation.len())) {
-            let (gains, discounts) = block.split_at(l);
-            for (part, lanes) in S::as_simd_f64s(&NUMBERS).0.iter().enumerate() {
-                let mut values = mean(simd, gains, self.belief, part);
-                for (rows, w) in discounts.chunks_exact(l).zip(self.continuation) {
-                    let discount = mean(simd, rows, self.belief, part);
-                    values = simd.add_f64s(values, simd.mul_f64s(simd.splat_f64s(*w), discount));
-                }
-                let better = simd.greater_than_f64s(values, best);
-                best = simd.select_f64s(better, values, best);
-                let numbers = simd.add_f64s(simd.splat_f64s(first), *lanes);
-                found = simd.select_f64s(better, numbers, found);
+        let Self { blocks, belief, continuation } = self;
+        let mut top = Top::new(simd);
+        for block in blocks.chunks_exact(belief.len() * (1 + continuation.len())) {
+            for part in 0..parts::<S>() {
+                top.see(simd, part, weigh(simd, (block, part), belief, continuation, |_, _| {}));
             }
-            first += LANES as f64;
+            top.first += LANES as f64;
         }
-        let top = simd.reduce_max_f64s(best);
-        let wins = simd.equal_f64s(best, simd.splat_f64s(top));
-        let winner = simd.reduce_min_f64s(simd.select_f64s(wins, found, simd.splat_f64s(f64::INFINITY)));
+        top.best(simd)
+    }
+}
+
+/// The best plans of those seen, lane by lane, so that the lanes run side by side.
+pub(super) struct Top<S: pulp::Simd> {
+    best: S::f64s,
+    found: S::f64s,
+    /// Number of the block's first plan.
+    pub first: f64,
+}
+
+impl<S: pulp::Simd> Top<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S) -> Self {
+        Self { best: simd.splat_f64s(f64::NEG_INFINITY), found: simd.splat_f64s(0.0), first: 0.0 }
+    }
+
+    #[inline(always)]
+    pub(super) fn see(&mut self, simd: S, part: usize, values: S::f64s) {
+        let better = simd.greater_than_f64s(values, self.best);
+        self.best = simd.select_f64s(better, values, self.best);
+        let numbers = simd.add_f64s(simd.splat_f64s(self.first), S::as_simd_f64s(&NUMBERS).0[part]);
+        self.found = simd.select_f64s(better, numbers, self.found);
+    }
+
+    /// Number and value of the best plan, the first among equals.
+    #[inline(always)]
+    pub(super) fn best(self, simd: S) -> (usize, f64) {
+        let top = simd.reduce_max_f64s(self.best);
+        let wins = simd.equal_f64s(self.best, simd.splat_f64s(top));
+        let winner = simd.reduce_min_f64s(simd.select_f64s(wins, self.found, simd.splat_f64s(f64::INFINITY)));
         // Padding repeats a block's first plan, which has the smaller number and wins the tie.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // an index into `plans`
         (winner as usize, top)
     }
+}
+
+/// Registers that a block's plans fill.
+#[inline(always)]
+pub(super) fn parts<S: pulp::Simd>() -> usize {
+    S::as_simd_f64s(&NUMBERS).0.len()
+}
+
+/// Values of some plans of a block when `continuation` follows; `keep` is told each `D_s`.
+#[inline(always)]
+pub(super) fn weigh<S: pulp::Simd>(
+    simd: S,
+    (block, part): (&[[f64; LANES]], usize),
+    belief: &[f64],
+    continuation: &[f64],
+    mut keep: impl FnMut(usize, S::f64s),
+) -> S::f64s {
+    let (gains, discounts) = block.split_at(belief.len());
+    let mut values = mean(simd, gains, belief, part);
+    for (s, (rows, w)) in discounts.chunks_exact(belief.len()).zip(continuation).enumerate() {
+        let discount = mean(simd, rows, belief, part);
+        keep(s, discount);
+        values = simd.add_f64s(values, simd.mul_f64s(simd.splat_f64s(*w), discount));
+    }
+    values
 }
 
 /// `sum_c b_c rows[c]` of some lanes; four classes at a time, which spares a loop its counting.
@@ -122,10 +180,14 @@ fn mean<S: pulp::Simd>(simd: S, rows: &[[f64; LANES]], belief: &[f64], part: usi
     rest.iter().zip(others).fold(sum, add)
 }
 
-/// One block; lanes without a plan repeat its first one, which wins every tie.
+/// One block: `G(c)`, then `D_s(c)`.
 fn block(plans: &[ConditionalPlan]) -> Vec<[f64; LANES]> {
-    let lane = |i: usize| plans.get(i).unwrap_or(&plans[0]);
-    let gains = (0..plans[0].gain.len()).map(|c| std::array::from_fn(|i| lane(i).gain[c]));
-    let discounts = (0..plans[0].discount_to.len()).map(|e| std::array::from_fn(|i| lane(i).discount_to[e]));
-    gains.chain(discounts).collect()
+    let row = |plan: &ConditionalPlan| plan.gain.iter().chain(plan.discount_to.iter()).copied().collect();
+    let rows: Vec<Vec<f64>> = plans.iter().map(row).collect();
+    lanes(&rows, rows[0].len()).collect()
+}
+
+/// Rows side by side, entry by entry; lanes without a row repeat the first one, which wins every tie.
+fn lanes(rows: &[Vec<f64>], entries: usize) -> impl Iterator<Item = [f64; LANES]> {
+    (0..entries).map(move |e| std::array::from_fn(|lane| rows.get(lane).unwrap_or(&rows[0])[e]))
 }

@@ -44,6 +44,7 @@ impl OneObjectPolicy {
             }
         }
         policy.thin(model, &points);
+        policy.bound_continuations(model.position_count());
         policy
     }
 
@@ -72,7 +73,8 @@ impl OneObjectPolicy {
     fn deciding_at_once(model: &SortingModel) -> Self {
         let (group_of, groups) = viewpoint_groups(model);
         let plans = (0..groups).map(|s| PlanSet::new(deciding(model, groups, s))).collect();
-        let mut policy = Self { group_of, plans, arrival_values: vec![0.0; groups] };
+        let mut policy =
+            Self { group_of, plans, arrival_values: vec![0.0; groups], continuations: Vec::new() };
         policy.evaluate_arrival(model);
         policy
     }

@@ -42,7 +42,10 @@ impl OneObjectPolicy {
             plans.push(PlanSet::new(stored.filter(|plans| !plans.is_empty())?));
             rest = behind;
         }
-        rest.is_empty().then(|| Self { group_of, plans, arrival_values: arrival_values.to_vec() })
+        let arrival_values = arrival_values.to_vec();
+        let mut policy = Self { group_of, plans, arrival_values, continuations: Vec::new() };
+        policy.bound_continuations(model.position_count());
+        rest.is_empty().then_some(policy)
     }
 }
 

@@ -1,0 +1,161 @@
+//! One look at one object, taken apart: every label with its probability, its posterior, and what the default policy
+//! makes of it. Nothing here depends on other objects.
+
+use crate::belief::{Memory, entropy, information, most_likely};
+use crate::model::SortingModel;
+use crate::one_object::{OneObjectPolicy, Weighed};
+
+/// A look at an object at a position from a viewpoint.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sighting {
+    /// Belt position of the object.
+    pub(crate) position: usize,
+    /// Where the camera stands.
+    pub(crate) viewpoint: usize,
+    /// The label that it gave from there before, if the model can repeat it.
+    pub(crate) last: Option<usize>,
+}
+
+/// What a look may tell. The buffers are reused.
+#[derive(Debug, Default)]
+pub(crate) struct Look {
+    classes: usize,
+    groups: usize,
+    /// Entry z.
+    probabilities: Vec<f64>,
+    /// Entry `z * L + c`.
+    posteriors: Vec<f64>,
+    /// The most likely class after each label, and its probability.
+    most_likely: Vec<(usize, f64)>,
+    /// What is left to learn after each label, where learning is rewarded, and 0 elsewhere.
+    entropies: Vec<f64>,
+    /// What the look is expected to tell, where learning is rewarded.
+    information: f64,
+    /// The plans that may be best after each label from each group: `G`, then `D_s`.
+    plans: Vec<f64>,
+    /// Where the plans of label z and group g end: entry `z * G + g`.
+    ends: Vec<usize>,
+}
+
+impl Look {
+    /// Take apart a look at an object with this distribution.
+    pub(crate) fn take(
+        &mut self,
+        model: &SortingModel,
+        policy: &OneObjectPolicy,
+        distribution: &[f64],
+        Sighting { position, viewpoint, last }: Sighting,
+        weighed: &mut Weighed,
+    ) {
+        self.clear(model, policy);
+        let rewarded = model.spec().information_gain > 0.0;
+        let told = || information(model, distribution, position, viewpoint, last);
+        self.information = if rewarded { told() } else { 0.0 };
+        let behind = model.position_count() - 1 - position;
+        for z in 0..self.classes {
+            self.outcome(distribution, model.likelihoods(position, viewpoint, last, z));
+            self.entropies.push(if rewarded { entropy(self.posterior(z)) } else { 0.0 });
+            for group in 0..self.groups {
+                let posterior = &self.posteriors[z * self.classes..];
+                if self.probabilities[z] > 0.0 {
+                    policy.candidates((group, behind), posterior, &mut self.plans, weighed);
+                }
+                self.ends.push(self.plans.len());
+            }
+        }
+    }
+
+    /// Take distributions for posteriors, as if each were that of a label.
+    pub(crate) fn pretend<'a>(
+        &mut self,
+        model: &SortingModel,
+        policy: &OneObjectPolicy,
+        distributions: impl Iterator<Item = &'a [f64]>,
+    ) {
+        self.clear(model, policy);
+        for distribution in distributions {
+            self.posteriors.extend(distribution);
+            self.most_likely.push(most_likely(distribution));
+        }
+    }
+
+    fn clear(&mut self, model: &SortingModel, policy: &OneObjectPolicy) {
+        (self.classes, self.groups) = (model.class_count(), policy.group_count());
+        self.probabilities.clear();
+        self.posteriors.clear();
+        self.most_likely.clear();
+        self.entropies.clear();
+        self.plans.clear();
+        self.ends.clear();
+    }
+
+    /// Probability and posterior of the next label.
+    fn outcome(&mut self, distribution: &[f64], likelihoods: impl Iterator<Item = f64>) {
+        let first = self.posteriors.len();
+        self.posteriors.extend(distribution.iter().zip(likelihoods).map(|(b, p)| b * p));
+        let joint = &mut self.posteriors[first..];
+        let total = joint.iter().sum();
+        if total > 0.0 {
+            for entry in joint.iter_mut() {
+                *entry /= total;
+            }
+        }
+        self.most_likely.push(most_likely(joint));
+        self.probabilities.push(total);
+    }
+
+    /// `P(z | b, v)` of every label.
+    #[inline(always)]
+    pub(crate) fn probabilities(&self) -> &[f64] {
+        &self.probabilities
+    }
+
+    /// The posterior after a label.
+    #[inline(always)]
+    pub(crate) fn posterior(&self, label: usize) -> &[f64] {
+        &self.posteriors[label * self.classes..][..self.classes]
+    }
+
+    /// The most likely class after a label, and its probability.
+    #[inline(always)]
+    pub(crate) fn most_likely(&self, label: usize) -> (usize, f64) {
+        self.most_likely[label]
+    }
+
+    /// What is left to learn after each label, where learning is rewarded.
+    #[inline(always)]
+    pub(crate) fn entropies(&self) -> &[f64] {
+        &self.entropies
+    }
+
+    /// What the look is expected to tell, where learning is rewarded.
+    #[inline(always)]
+    pub(crate) fn information(&self) -> f64 {
+        self.information
+    }
+
+    /// The plans that may be best after a label from a group, each its `G` and `D_s` at the posterior.
+    #[inline(always)]
+    pub(crate) fn plans(&self, label: usize, group: usize) -> impl Iterator<Item = &[f64]> {
+        let at = label * self.groups + group;
+        let first = if at == 0 { 0 } else { self.ends[at - 1] };
+        self.plans[first..self.ends[at]].chunks_exact(1 + self.groups)
+    }
+}
+
+/// A look at every position from one viewpoint.
+pub(crate) fn looks(
+    model: &SortingModel,
+    policy: &OneObjectPolicy,
+    (belief, memory): (&[f64], &Memory),
+    viewpoint: usize,
+) -> Vec<Look> {
+    let mut weighed = Weighed::default();
+    let look = |(position, distribution): (usize, &[f64])| {
+        let mut look = Look::default();
+        let last = memory.last(model, position, viewpoint);
+        look.take(model, policy, distribution, Sighting { position, viewpoint, last }, &mut weighed);
+        look
+    };
+    belief.chunks_exact(model.class_count()).enumerate().map(look).collect()
+}
