@@ -14,6 +14,7 @@ from dataclasses import asdict
 
 from beltsort.cell import Actuator, Cell, CommandError, EmergencyStopError, Outcome
 from beltsort.errors import CellError
+from beltsort.packml import State
 from beltsort.progress import Command, Progress
 from beltsort.record import Record
 from beltsort.rules import Rules
@@ -187,9 +188,9 @@ class Commander:
 
     def _told(self, command: Command, reason: str) -> Outcome:
         """Ask the operator, and write the answer down."""
-        self._record("state", state="Held", reason=reason, command_id=command.id)
+        self._record("state", state=State.HELD, reason=reason, command_id=command.id)
         answer = self._operator(command, reason)
-        self._record("state", state="Execute", reason=f"told that {command.id} was {answer.value}")
+        self._record("state", state=State.EXECUTE, reason=f"told that {command.id} was {answer.value}")
         return answer
 
     def _device(self, name: str) -> Actuator:

@@ -11,6 +11,7 @@ from beltsort.commander import Commander, Operator, nobody
 from beltsort.errors import CellError
 from beltsort.journal import Journal
 from beltsort.observing import Observer, Perceive, PerceivedPosition
+from beltsort.packml import State
 from beltsort.policy import Policy
 from beltsort.progress import Owed, Progress
 from beltsort.record import Record, progress_in
@@ -159,15 +160,14 @@ class _Loop:
         try:
             with stopping(self.cell):
                 self.record(kind, **data)
-                self.record("state", state="Execute", reason=kind)
+                self.record("state", state=State.EXECUTE, reason=kind)
                 while not self.progress.done:
                     self.step()
         except BaseException as failure:
-            aborted = isinstance(failure, EmergencyStopError) or not isinstance(failure, CellError)
-            self.record("state", state="Aborted" if aborted else "Held", reason=repr(failure))
+            self.record("state", state=_state_after(failure), reason=repr(failure))
             self.record("end", reason=repr(failure))
             raise
-        self.record("state", state="Complete", reason="all objects have left the belt")
+        self.record("state", state=State.COMPLETE, reason="all objects have left the belt")
         self.record("end", reason="done")
         progress = self.progress
         return SortingReport(progress.steps, tuple(progress.decisions), tuple(progress.skipped))
@@ -273,6 +273,19 @@ class _Loop:
     def skip(self, *, decided: bool) -> None:
         """Pass over an empty place: nothing to sort."""
         self.record("skip", viewpoints=self.progress.visible[0].empty, decided=decided)
+
+
+def _state_after(failure: BaseException) -> State:
+    """Return the state in which a run ends early: held if it can go on once the cell has been seen to."""
+    match failure:
+        case EmergencyStopError():
+            return State.ABORTED
+        case CellError():
+            return State.HELD
+        case KeyboardInterrupt():
+            return State.STOPPED
+        case _:
+            return State.ABORTED
 
 
 def _settings(policy: Policy) -> dict[str, Any] | None:

@@ -196,6 +196,7 @@ def test_interrupt_leaves_a_complete_journal(tmp_path: Path, call: int) -> None:
     assert intents == {o["command_id"] for o in outcomes}
     assert [o["outcome"] for o in outcomes] == ["done"] * call + ["unknown"]
     assert cell.stops == 4, "every device"
+    assert entries[-2].data["state"] == "Stopped"
 
 
 def test_cell_and_model_must_agree(tmp_path: Path) -> None:
