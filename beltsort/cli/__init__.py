@@ -23,6 +23,7 @@ from beltsort.cli import (
     plan,
     show,
     solve,
+    sweep,
     train,
     viewpoints,
 )
@@ -33,6 +34,7 @@ COMMANDS = (
     plan,
     evaluate,
     compare,
+    sweep,
     solve,
     export,
     bench,

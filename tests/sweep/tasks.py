@@ -13,11 +13,14 @@ def square(point: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def noted(point: Mapping[str, Any]) -> dict[str, Any]:
-    """Leaves a line for each time that a point is begun."""
+    """Leaves a line for each time that a point is begun; one with a gate waits until that is there."""
     with Path(point["notes"]).open("a") as file:
-        file.write(f"{point['x']}\n")
+        file.write(f"{point['x']} {os.getpid()}\n")
     time.sleep(point.get("seconds", 0.0))
-    return {"square": point["x"] ** 2, "process": os.getpid()} if point.get("named") else square(point)
+    deadline = time.monotonic() + 60.0
+    while "gate" in point and not Path(point["gate"]).exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    return square(point)
 
 
 def failing_at_three(point: Mapping[str, Any]) -> dict[str, Any]:

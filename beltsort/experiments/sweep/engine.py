@@ -88,6 +88,19 @@ def run_points(
     return [known[key] for key in keys]
 
 
+def finished_rows(task: Task, points: Sequence[Point], store: Path) -> list[Row]:
+    """Return the rows that the store has of these points, in their order.
+
+    Raises
+    ------
+    SweepError, ArgumentError
+        As `run_points`.
+    """
+    with RowStore(store) as rows:
+        known = rows.values()
+    return [known[key] for key in _keys(task, points) if key in known]
+
+
 def version(task: Task, number: int) -> Task:
     """Mark a task whose results differ from those that it gave under another number (1 if never marked)."""
     vars(task)["version"] = number
