@@ -11,6 +11,7 @@ from beltsort.experiments.sweep.cluster import Certificates, Cluster
 from beltsort.experiments.sweep.engine import run_points
 from beltsort.experiments.sweep.store import RowStore
 from tests.sweep import tasks
+from tests.sweep.certificates import make_certificates
 from tests.sweep.cluster_processes import DEADLINE, cluster
 
 POINTS = 20
@@ -47,6 +48,29 @@ def test_a_task_that_fails_is_named(tmp_path: Path) -> None:
     points = [{"x": x} for x in range(2, 4)]
     with cluster(tmp_path, workers=1) as processes, pytest.raises(SweepError, match="no threes"):
         run_points(tasks.failing_at_three, points, tmp_path / "store", scheduler=Cluster(processes.address))
+
+
+def test_over_tls_both_sides_are_certified(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beltsort.experiments.sweep.cluster.CONNECTING", 4.0)
+    ours, foreign = (make_certificates(new_folder(tmp_path / name)) for name in ("ours", "foreign"))
+    options = (
+        *("--tls-ca-file", str(ours.authority)),
+        *("--tls-cert", str(ours.certificate), "--tls-key", str(ours.key)),
+    )
+    points = [{"x": x} for x in range(3)]
+    with cluster(tmp_path, workers=1, options=options) as processes:
+        assert processes.address.startswith("tls://127.0.0.1:")
+        known = Cluster(processes.address, ours)
+        rows = run_points(tasks.square, points, tmp_path / "store", scheduler=known)
+        assert [row["square"] for row in rows] == [0, 1, 4]
+        stranger = Cluster(processes.address, foreign)
+        with pytest.raises(SweepError, match="no scheduler answers at tls://"):
+            run_points(tasks.square, points, tmp_path / "other", scheduler=stranger)
+
+
+def new_folder(path: Path) -> Path:
+    path.mkdir()
+    return path
 
 
 def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -45,6 +45,15 @@ def test_policies_meet_the_same_objects_and_other_worlds_others(tmp_path: Path) 
         assert seeds_of(point, 2) == worlds[point["model.r_min"], point["seed"]]
 
 
+def test_values_seeds_and_planners_can_be_added(tmp_path: Path) -> None:
+    text = f"{MODEL}positions = [1]\nr_min = [5, 50]\n{PLANNER}"
+    more = text.replace("[1]", "[1, 2]").replace("[5, 50]", "[5, 50, 500]")
+    more = more.replace('0.9"', '0.9", "one-object"')
+    before, after = load(tmp_path, text).points, load(tmp_path, f"seeds = 2\n{more}").points
+    assert [point for point in before if point not in after] == []
+    assert len(after) == 2 * 3 * 2 * 2
+
+
 def test_files_are_sought_beside_the_sweep_and_belong_to_the_point(tmp_path: Path) -> None:
     (tmp_path / "model.json").write_bytes(PAPER.read_bytes())
     text = f'[model]\nfile = "model.json"\n{PLANNER}'

@@ -13,14 +13,15 @@ from beltsort.errors import SweepError
 from beltsort.experiments.sweep.file import SweepFile
 from beltsort.experiments.sweep.parameters import DESPOT, axes_of
 
+WORLD = ("model.", "cell.")
 SEED_BITS = 63  # what fits every integer between here and Parquet
 
 
 def points_of(sweep: SweepFile, folder: Path) -> list[dict[str, Any]]:
     """Return one point for each combination of values and each seed.
 
-    Policies meet the same objects and labels: a point's `spawn_key` is its index in the grid of model and
-    cell parameters, which the planner's do not enter.
+    Policies meet the same objects and labels: a point's `spawn_key` is its index along each axis of model and
+    cell parameters, which the planner's do not enter. New values at the end of an axis change no other point.
 
     Parameters
     ----------
@@ -38,7 +39,8 @@ def points_of(sweep: SweepFile, folder: Path) -> list[dict[str, Any]]:
     axes = axes_of({"model": sweep.model, "planner": sweep.planner, "cell": sweep.cell})
     _check(sweep, axes)
     settings = _settings(sweep)
-    worlds = [_located(world, folder) for world in _product(axes, ("model.", "cell."))]
+    worlds = [_located(world, folder) for world in _product(axes, WORLD)]
+    indices = _product({name: list(range(len(values))) for name, values in axes.items()}, WORLD)
     planners = [_located(planner, folder) for planner in _planners(axes)]
     return [
         {
@@ -48,9 +50,9 @@ def points_of(sweep: SweepFile, folder: Path) -> list[dict[str, Any]]:
             **settings,
             "inputs": inputs_of({**world, **planner}),
             "seed": seed,
-            "spawn_key": [index],
+            "spawn_key": list(index.values()),
         }
-        for index, world in enumerate(worlds)
+        for world, index in zip(worlds, indices, strict=True)
         for planner in planners
         for seed in dict.fromkeys(sweep.seeds)
     ]
