@@ -1,11 +1,13 @@
 """A sweep on a Dask cluster gives the rows of a sweep on this machine."""
 
+import json
 import socket
 from pathlib import Path
 
 import pytest
 from distributed import Client
 
+from beltsort.cli import main
 from beltsort.errors import SweepError
 from beltsort.experiments.sweep.cluster import Certificates, Cluster
 from beltsort.experiments.sweep.engine import run_points
@@ -13,6 +15,7 @@ from beltsort.experiments.sweep.store import RowStore
 from tests.sweep import tasks
 from tests.sweep.certificates import make_certificates
 from tests.sweep.cluster_processes import DEADLINE, cluster
+from tests.sweep.test_file import MODEL, PLANNER, load
 
 POINTS = 20
 
@@ -42,6 +45,17 @@ def test_a_worker_that_is_killed_loses_and_doubles_no_row(tmp_path: Path) -> Non
     begun = notes.read_text()
     assert run_points(tasks.noted, points, store, workers=1) == rows
     assert notes.read_text() == begun
+
+
+def test_the_command_gives_the_rows_of_this_machine(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    local = load(tmp_path, f"seeds = 3\n{MODEL}{PLANNER}[tables]\nbatches = 2")
+    with cluster(tmp_path, workers=1) as processes:
+        given = ["sweep", str(tmp_path / "sweep.toml"), "--scheduler", processes.address, "--json"]
+        assert main(given) == 0
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    assert rows == local.run(tmp_path / "local", workers=1)
 
 
 def test_a_task_that_fails_is_named(tmp_path: Path) -> None:

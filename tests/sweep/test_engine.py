@@ -8,6 +8,7 @@ import pytest
 import beltsort
 from beltsort.errors import SweepError
 from beltsort.experiments.sweep import engine
+from beltsort.experiments.sweep.attempt import attempt
 from beltsort.experiments.sweep.engine import run_points, version
 from beltsort.experiments.sweep.store import RowStore
 from tests.sweep import tasks
@@ -75,6 +76,10 @@ def test_results_are_plain_and_hide_no_point(tmp_path: Path) -> None:
         run_points(tasks.not_finite, POINTS[:1], tmp_path)
     with pytest.raises(SweepError, match="the result names x, which the point has"):
         run_points(tasks.clashing, POINTS[:1], tmp_path)
+
+
+def test_another_version_of_beltsort_makes_no_row() -> None:
+    assert "a worker has beltsort" in attempt(tasks.square, "0.0.0", POINTS[0]).failure
 
 
 def test_what_no_process_could_import_or_read_is_refused(tmp_path: Path) -> None:

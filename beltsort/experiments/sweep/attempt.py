@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+import beltsort
+
 Point: TypeAlias = Mapping[str, Any]
 Row: TypeAlias = dict[str, Any]
 Task: TypeAlias = Callable[[Mapping[str, Any]], Mapping[str, Any]]
@@ -28,12 +30,16 @@ class Attempt:
     trace: str = ""
 
 
-def attempt(task: Task, point: Point) -> Attempt:
-    """Run a task on a point.
+def attempt(task: Task, version: str, point: Point) -> Attempt:
+    """Run a task on a point, by the version of beltsort that the row is to be of.
 
     Any exception becomes text: exceptions of other packages need not survive the way between processes.
     """
     try:
+        if beltsort.__version__ != version:
+            raise ValueError(
+                f"a worker has beltsort {beltsort.__version__}, expected {version}: install that"
+            )
         result = dict(task(point))
         if taken := sorted(result.keys() & point.keys()):
             raise ValueError(f"the result names {', '.join(taken)}, which the point has: rename it")

@@ -79,7 +79,8 @@ def run_points(
         waiting = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
         report = _counter(len(set(keys)), len(waiting), progress)
         where, names = scheduler or _Processes(workers), list(waiting)
-        with closing(where.attempts(partial(attempt, task), list(waiting.values()))) as attempts:
+        trial = partial(attempt, task, beltsort.__version__)
+        with closing(where.attempts(trial, list(waiting.values()))) as attempts:
             for number, done in attempts:
                 key = names[number]
                 known[key] = _row_of(done, waiting[key])
