@@ -25,3 +25,7 @@ class ViewpointError(BeltsortError):
 
 class RecordingError(BeltsortError):
     """Recorded scans, or the labels of them, cannot be read or written."""
+
+
+class SweepError(BeltsortError):
+    """A point of a sweep failed, or its rows cannot be read or written."""

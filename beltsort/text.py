@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 
 
 def text_table(rows: Sequence[Sequence[str]]) -> str:
@@ -23,9 +22,3 @@ def number_or_none(value: float) -> float | None:
 def numbers_or_none(numbers: Mapping[str, float]) -> dict[str, float | None]:
     """Do the same for named numbers."""
     return {name: number_or_none(value) for name, value in numbers.items()}
-
-
-def nearest_of(text: str, names: Sequence[str]) -> str:
-    """Say which names there are, and which one was probably meant."""
-    (nearest,) = get_close_matches(text, names, n=1, cutoff=0.0)
-    return f"did you mean {nearest!r}? Known: {', '.join(names)}"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from beltsort.cell.problems import CellFileError
 from beltsort.cell.validation import validated
-from beltsort.text import nearest_of
+from beltsort.naming import nearest_of
 
 if TYPE_CHECKING:
     from beltsort.cell.description import CellDescription

@@ -26,6 +26,7 @@ from beltsort.cli import (
     run,
     show,
     solve,
+    sweep,
     train,
     viewpoints,
 )
@@ -38,6 +39,7 @@ COMMANDS = (
     plan,
     evaluate,
     compare,
+    sweep,
     solve,
     export,
     bench,

@@ -2,17 +2,14 @@
 
 import json
 from argparse import ArgumentParser, Namespace, _SubParsersAction
-from collections.abc import Sequence
 from inspect import signature
 from typing import Any, TypeAlias
 
 from beltsort import ArgumentError, Solution, SortingModel
-from beltsort.text import nearest_of
+from beltsort.named_policy import DEFAULT_TRIALS
+from beltsort.naming import index_of, nearest_of
 
 Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
-
-
-DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
 
 
 def add_json(parser: ArgumentParser) -> None:
@@ -113,32 +110,3 @@ def parse_classes(text: str | None, model: SortingModel) -> list[int] | None:
     if text is None:
         return None
     return [index_of(name, model.classes, "class") for name in text.split(",")]
-
-
-def index_of(text: str, names: Sequence[str], what: str) -> int:
-    """Find a name, or a number in its place.
-
-    Parameters
-    ----------
-    text
-        What the user wrote.
-    names
-        The names that there are.
-    what
-        What they name, for the message.
-
-    Returns
-    -------
-    int
-        Index into `names`.
-
-    Raises
-    ------
-    ArgumentError
-        Listing the names, the nearest one first, if `text` is none of them and no index either.
-    """
-    if text in names:
-        return names.index(text)
-    if text.isdecimal() and int(text) < len(names):
-        return int(text)
-    raise ArgumentError(f"there is no {what} {text!r}; {nearest_of(text, names)}, or 0 to {len(names) - 1}")

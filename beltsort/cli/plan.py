@@ -10,11 +10,11 @@ from beltsort.cli.arguments import (
     add_json,
     add_model,
     budget_of,
-    index_of,
     load_model,
 )
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.explanation import action_in_words, explain, tree_in_names
+from beltsort.naming import index_of
 
 NOTHING_SEEN = "-"
 

@@ -2,10 +2,12 @@
 
 import os
 import signal
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context, parent_process
+from contextlib import contextmanager
+from multiprocessing import Pipe, get_context, parent_process
+from multiprocessing.connection import Connection, wait
 from threading import Thread
 from typing import TypeVar
 
@@ -48,38 +50,80 @@ def in_processes(
     BeltsortError
         If a worker process dies.
     """
-    workers = processors() if workers is None else at_least_one("workers", workers)
+    workers = _number_of(workers, work)
     if workers == 1:
         yield from _reported(map(task, work), len(work), progress)
         return
-    pool = _pool(workers)
-    try:
+    with _pool(workers) as pool:
         yield from _reported(pool.map(task, work, chunksize=2), len(work), progress)
+
+
+def as_they_finish(
+    task: Callable[[Work], Result], work: Sequence[Work], workers: int | None = None
+) -> Generator[tuple[int, Result], None, None]:
+    """Yield the number of each piece of work and its result, as soon as it is done.
+
+    A generator that is closed, by an error or Ctrl-C too, ends its processes at once.
+
+    Parameters
+    ----------
+    task, work, workers
+        As in `in_processes`.
+
+    Raises
+    ------
+    ArgumentError, BeltsortError
+        As `in_processes`.
+    """
+    workers = _number_of(workers, work)
+    if workers == 1:
+        yield from enumerate(map(task, work))
+        return
+    with _pool(workers) as pool:
+        numbers = {pool.submit(task, piece): number for number, piece in enumerate(work)}
+        for future in as_completed(numbers):
+            yield numbers[future], future.result()
+
+
+def _number_of(workers: int | None, work: Sequence[Work]) -> int:
+    """Return how many processes are of use."""
+    wanted = processors() if workers is None else at_least_one("workers", workers)
+    return max(1, min(wanted, len(work)))
+
+
+@contextmanager
+def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """Yield a pool of spawned processes (Open3D hangs in forked ones), which any error ends at once."""
+    leash, held = Pipe(duplex=False)
+    pool = ProcessPoolExecutor(
+        workers, mp_context=get_context("spawn"), initializer=_on_leash, initargs=(leash,)
+    )
+    try:
+        yield pool
     except BrokenProcessPool:
         raise beltsort.BeltsortError(
             f"a worker process died, expected {workers} to live: if memory ran out, give fewer workers; "
             'a script must guard its main module by `if __name__ == "__main__":`'
         ) from None
+    except BaseException:
+        held.close()
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
+        leash.close()
+        held.close()
 
 
-def _pool(workers: int) -> ProcessPoolExecutor:
-    """Return a pool of spawned processes: Open3D hangs in forked ones."""
-    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_follow_parent)
-
-
-def _follow_parent() -> None:
-    """Leave Ctrl-C to the parent process, but do not outlive it, however it ends."""
+def _on_leash(leash: Connection) -> None:
+    """Leave Ctrl-C to the parent process, but do not outlive the other end of the leash, nor the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_end_with_parent, daemon=True).start()
+    Thread(target=_end_with, args=(leash,), daemon=True).start()
 
 
-def _end_with_parent() -> None:
+def _end_with(leash: Connection) -> None:
     parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+    wait([leash] if parent is None else [leash, parent.sentinel])
+    os._exit(1)
 
 
 def _reported(results: Iterator[Result], total: int, progress: Progress | None) -> Iterator[Result]:

@@ -8,7 +8,8 @@ import sys, time
 start = time.perf_counter()
 import beltsort
 print(time.perf_counter() - start)
-print(*sorted({"open3d", "matplotlib", "pydantic", "rich", "sklearn"} & set(sys.modules)))
+heavy = {"open3d", "matplotlib", "rich", "sklearn", "pydantic", "pyarrow", "distributed"}
+print(*sorted(heavy & set(sys.modules)))
 """
 
 

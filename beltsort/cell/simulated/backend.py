@@ -14,7 +14,7 @@ from beltsort.cell.simulated.config import CellConfig
 from beltsort.cell.simulated.randomness import generator
 from beltsort.cell.validation import validated
 from beltsort.geometry import SphereViewpoint
-from beltsort.text import nearest_of
+from beltsort.naming import nearest_of
 
 if TYPE_CHECKING:
     from beltsort.cell.simulated.cell import SimulatedCell

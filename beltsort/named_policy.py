@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from typing import Any
 
 from beltsort import (
     ArgumentError,
@@ -14,8 +15,8 @@ from beltsort import (
     Threshold,
     solve,
 )
-from beltsort.cli.arguments import DEFAULT_TRIALS
 
+DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
 HELP = (
     f"despot[:TRIALS] ({DEFAULT_TRIALS} if missing), despot:SECONDSs (despot:0.01s), threshold:T, "
     "information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (solves first; 60s if missing), "
@@ -23,7 +24,7 @@ HELP = (
 )
 
 
-def named_policy(text: str, model: SortingModel) -> Policy:
+def named_policy(text: str, model: SortingModel, **settings: Any) -> Policy:
     """Make the policy that a word names.
 
     Parameters
@@ -32,6 +33,8 @@ def named_policy(text: str, model: SortingModel) -> Policy:
         A kind and its parameters, separated by colons: see `HELP`.
     model
         The model it plans for.
+    settings
+        Further settings of `Despot`; no other policy has any.
 
     Raises
     ------
@@ -42,15 +45,15 @@ def named_policy(text: str, model: SortingModel) -> Policy:
     if kind not in KINDS:
         raise ArgumentError(f"there is no policy {text!r}; there are {HELP}")
     try:
-        return KINDS[kind](model, *parameters)
+        return KINDS[kind](model, *parameters, **settings)
     except (TypeError, ValueError) as reason:
         raise ArgumentError(f"{text!r} names no policy ({reason}); there are {HELP}") from reason
 
 
-def _despot(model: SortingModel, budget: str = str(DEFAULT_TRIALS)) -> Policy:
+def _despot(model: SortingModel, budget: str = str(DEFAULT_TRIALS), **settings: Any) -> Policy:
     if budget.endswith("s"):
-        return Despot(model, seconds=_seconds(budget))
-    return Despot(model, trials=int(budget))
+        return Despot(model, seconds=_seconds(budget), **settings)
+    return Despot(model, trials=int(budget), **settings)
 
 
 def _threshold(model: SortingModel, threshold: str) -> Policy:

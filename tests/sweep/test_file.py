@@ -1,0 +1,99 @@
+"""What a sweep file can say, and how it is refused."""
+
+import random
+from pathlib import Path
+
+import pytest
+
+from beltsort.errors import SweepError
+from beltsort.experiments.sweep.grid import seeds_of
+from beltsort.experiments.sweep.run import Sweep
+
+PAPER = Path(__file__).parent.parent / "fixtures" / "paper.json"
+MODEL = f'[model]\nfile = "{PAPER}"\n'
+PLANNER = '[planner]\npolicy = ["threshold:0.9"]\n'
+
+
+def load(folder: Path, text: str) -> Sweep:
+    (folder / "sweep.toml").write_text(text)
+    return Sweep.load(folder / "sweep.toml")
+
+
+def test_the_grid_is_the_product_of_its_axes(tmp_path: Path) -> None:
+    text = f"{MODEL}r_min = [5, 50]\nmotion_cost = 2.0\n{PLANNER}[tables]\nbatches = 3"
+    points = load(tmp_path, f"seeds = [4, 9]\n{text}").points
+    assert [(point["model.r_min"], point["seed"]) for point in points] == [(5, 4), (5, 9), (50, 4), (50, 9)]
+    assert all(point["model.motion_cost"] == 2.0 and point["tables.batches"] == 3 for point in points)
+
+
+def test_settings_of_despot_multiply_no_other_policy(tmp_path: Path) -> None:
+    planner = '[planner]\npolicy = ["one-object", "despot:5"]\nscenarios = [50, 60]\n'
+    points = load(tmp_path, MODEL + planner).points
+    assert [(point["planner.policy"], point["planner.scenarios"]) for point in points] == [
+        ("one-object", None),
+        ("despot:5", 50),
+        ("despot:5", 60),
+    ]
+
+
+def test_policies_meet_the_same_objects_and_other_worlds_others(tmp_path: Path) -> None:
+    planner = '[planner]\npolicy = ["one-object", "threshold:0.9"]\n'
+    points = load(tmp_path, f"seeds = 2\n{MODEL}r_min = [5, 50]\n{planner}").points
+    worlds = {(point["model.r_min"], point["seed"]): seeds_of(point, 2) for point in points}
+    assert len({tuple(seeds) for seeds in worlds.values()}) == 4
+    for point in random.Random(0).sample(points, len(points)):
+        assert seeds_of(point, 2) == worlds[point["model.r_min"], point["seed"]]
+
+
+def test_values_seeds_and_planners_can_be_added(tmp_path: Path) -> None:
+    text = f"{MODEL}positions = [1]\nr_min = [5, 50]\n{PLANNER}"
+    more = text.replace("[1]", "[1, 2]").replace("[5, 50]", "[5, 50, 500]")
+    more = more.replace('0.9"', '0.9", "one-object"')
+    before, after = load(tmp_path, text).points, load(tmp_path, f"seeds = 2\n{more}").points
+    assert [point for point in before if point not in after] == []
+    assert len(after) == 2 * 3 * 2 * 2
+
+
+def test_files_are_sought_beside_the_sweep_and_belong_to_the_point(tmp_path: Path) -> None:
+    (tmp_path / "model.json").write_bytes(PAPER.read_bytes())
+    text = f'[model]\nfile = "model.json"\n{PLANNER}'
+    (before,) = load(tmp_path, text).points
+    assert before["model.file"] == str(tmp_path / "model.json")
+    (tmp_path / "model.json").write_text(PAPER.read_text() + "\n")
+    (after,) = load(tmp_path, text).points
+    assert before["inputs"] != after["inputs"]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("levle = 'tables'", "there is no key 'levle'; did you mean 'level'"),
+        (f"{MODEL}{PLANNER}[tables]\nbatchs = 1", "there is no key 'tables.batchs'; did you mean 'batches'"),
+        (f"{MODEL}r_mni = [1]\n{PLANNER}", "there is no parameter 'model.r_mni'; did you mean 'model.r_min'"),
+        ("level = 'scans'\n[cell.arm]\nangel = 1.0", "did you mean 'cell.arm.angle'"),
+        ("seeds = 0", "seeds is .*at least 1 item"),
+        ("seeds = [-1]", "seeds.0 is -1"),
+        (f"{MODEL}r_min = []\n{PLANNER}", "model.r_min has no values, so the grid is empty"),
+        (MODEL, "no policy is named, so the grid is empty"),
+        (f'{MODEL}[planner]\npolicy = ["treshold:0.9"]', "there is no policy 'treshold:0.9'"),
+        (f'{MODEL}[planner]\npolicy = ["despot:many"]', "'despot:many' names no policy"),
+        (f'{MODEL}[planner]\npolicy = ["despot:0.1s"]', "plans by the clock"),
+        (f'{MODEL}[planner]\npolicy = ["solution"]', "plans by the clock"),
+        (f"{MODEL}[planner]\npolicy = [3]", "a policy is 3, expected a word"),
+        (f"{MODEL}discount = 2.0\n{PLANNER}", "the sweep has .*'model.discount': 2.0"),
+        (f'{MODEL}r_min = "much"\n{PLANNER}', "the sweep has .*'model.r_min': 'much'"),
+        (PLANNER, "no model is named"),
+        (f'[model]\nfile = "none.json"\n{PLANNER}', "none.json cannot be read"),
+        (f"{MODEL}{PLANNER}[cell]\nupstream = 2", "cell.upstream means nothing to labels drawn from tables"),
+        (f"level = 'scans'\n{PLANNER}[cell]\nupstream = 'two'", "cell.upstream is 'two'"),
+        ("model = [", "cannot be read"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path: Path, text: str, reason: str) -> None:
+    with pytest.raises(SweepError, match=reason):
+        load(tmp_path, text)
+
+
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(SweepError, match="cannot be read"):
+        Sweep.load(tmp_path / "none.toml")
