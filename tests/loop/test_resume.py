@@ -37,7 +37,7 @@ def points(folder: Path, count: int, seed: int) -> list[str]:
     world = FileWorld(folder / "world.sqlite")
     acts = sum(len(world.acts(name)) for name in ("move", "sort", "advance"))
     after_entries = rng.choice(np.arange(1, entries), size=count - count // 2, replace=False)
-    after_acts = rng.choice(np.arange(1, acts + 1), size=count // 2, replace=False)
+    after_acts = rng.choice(np.arange(1, acts + 1), size=count // 2, replace=count // 2 > acts)
     return [*(f"entry:{n}" for n in after_entries), *(f"act:{n}" for n in after_acts)]
 
 
