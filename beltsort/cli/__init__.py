@@ -21,6 +21,7 @@ from beltsort.cli import (
     export,
     info,
     plan,
+    reproduce,
     show,
     solve,
     train,
@@ -42,6 +43,7 @@ COMMANDS = (
     estimate,
     show,
     explain,
+    reproduce,
 )
 FAILED, INTERRUPTED = 2, 130
 
