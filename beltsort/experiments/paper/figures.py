@@ -86,7 +86,8 @@ def _of_the_rows(results: Results, discount: float, folder: Path) -> Iterator[Pi
     drawn = [
         (
             "figure_4_one_position", accuracy_figure(rows, 1, discount),
-            "Fig. 4: right and wrong decisions of ten, one position.",
+            "Fig. 4: right and wrong decisions of ten, one position; curves stand a little aside of each "
+            "other.",
         ),
         (
             "figure_5_two_positions", accuracy_figure(rows, 2, discount),

@@ -5,7 +5,7 @@ from typing import Any
 
 from beltsort import Despot, InformationGain, Policy, SortingModel, Threshold, evaluate
 
-DESPOT, THRESHOLD, INFORMATION_GAIN, OPTIMUM = "DESPOT", "threshold", "information gain", "optimum"
+DESPOT, THRESHOLD, INFORMATION_GAIN, OPTIMUM = "DESPOT", "threshold", "information gain", "offline solution"
 POLICIES = (DESPOT, THRESHOLD, INFORMATION_GAIN)
 
 THRESHOLDS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.96, 0.97, 0.98, 0.99, 0.995, 0.998)

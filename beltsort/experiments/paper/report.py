@@ -110,10 +110,10 @@ def findings_page(findings: Iterable[Finding]) -> list[str]:
         by_condition.setdefault(finding.where, []).append(finding)
     lines = [
         "<h2 id='findings'>Findings</h2>",
-        "<p>A claim <em>holds</em> if all of its 95 % confidence interval says so, <em>fails</em> if all of it "
-        "says the opposite, and is <em>open</em> otherwise, or from fewer than ten batches. Differences are "
-        "taken batch by batch on the same objects; p-values are two-sided and not corrected for the number "
-        "of claims.</p>",
+        "<p>A claim <em>holds</em> if all of its 95 % confidence interval says so, <em>fails</em> if all of "
+        "it says the opposite, and is <em>open</em> otherwise, or from fewer than ten batches. Differences "
+        "are taken batch by batch on the same objects; p-values are two-sided and not corrected for the "
+        "number of claims.</p>",
     ]
     for where, found in by_condition.items():
         lines.append(f"<h3>{escape(where)}</h3><ul>")

@@ -45,7 +45,7 @@ class PreparedCell:
         """Write the classifier into a folder."""
         folder.mkdir(parents=True, exist_ok=True)
         content = hashlib.sha256(database.descriptors.tobytes() + np.asarray(database.labels).tobytes())
-        path = folder / f"classifier-{content.hexdigest()[:16]}.npz"
+        path = folder.resolve() / f"classifier-{content.hexdigest()[:16]}.npz"
         if not path.exists():
             half_done = path.with_name(f"half-done-{path.name}")
             database.save(half_done)

@@ -54,8 +54,9 @@ def mean(samples: ArrayLike) -> Estimate:
 
     Examples
     --------
-    >>> mean([1.0, 2.0, 3.0])
-    Estimate(value=2.0, standard_error=0.5773502691896257, n=3)
+    >>> estimate = mean([1.0, 2.0, 3.0])
+    >>> estimate.value, round(estimate.standard_error, 3), estimate.n
+    (2.0, 0.577, 3)
     """
     values = np.asarray(samples, dtype=np.float64)
     n = len(values)
