@@ -15,8 +15,8 @@ from .tiny import SEED, TINY
 @pytest.fixture(scope="session")
 def prepared() -> Prepared:
     database = collect_training(CellConfig(), objects=2, seed=SEED, workers=1)
-    counts = collect_counts(database, CellConfig(), objects=2, seed=SEED, workers=1)
-    return Prepared(database, counts, objects=2, seconds={}, cached=False)
+    counts = collect_counts(database, CellConfig(), objects=1, seed=SEED, workers=1)
+    return Prepared(database, counts, objects=1, seconds={}, cached=False)
 
 
 @pytest.fixture(scope="session")

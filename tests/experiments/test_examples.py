@@ -1,6 +1,7 @@
 """The examples run, as a reader would run them, and the docstrings' examples are true."""
 
 import doctest
+import os
 import pkgutil
 import subprocess
 import sys
@@ -11,7 +12,8 @@ import pytest
 
 from beltsort.experiments import paper
 
-FOLDER = Path(__file__).parents[2] / "examples"
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "examples"
 SAYS = {
     "01_own_classes_from_meshes": "views of cap, pyramid",
     "02_own_tables_from_csv": "first: Move(viewpoint=1)",
@@ -28,6 +30,7 @@ def test_example(name: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, str(FOLDER / f"{name}.py")],
         cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         timeout=120,

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from beltsort.cli import main
+from beltsort.cli.reproduce import show_text
 from beltsort.experiments import paper
 from beltsort.experiments.paper import Reproduction, run_experiments
 from beltsort.experiments.paper.files import REPRODUCIBLE, write_tables
@@ -69,7 +70,7 @@ def test_rows_are_whole(reproduction: Reproduction) -> None:
         np.testing.assert_allclose(row["returns"], returns)
     for solved in results.optimum:
         assert solved["lower"] <= solved["upper"]
-        assert solved["losses"]["DESPOT"]["mean"] >= 0.0
+        assert min(map(min, solved["losses"].values())) >= 0.0
     assert {row["parameter"] is None for row in paper.select(results.labels, policy="threshold")} == {False}
 
 
@@ -124,13 +125,13 @@ def test_the_command(
 ) -> None:
     monkeypatch.setattr("beltsort.tables.prepare.prepare", lambda progress: prepared)
     monkeypatch.setattr(paper, "QUICK", TINY)
-    command = ["reproduce", "--quick", "-o", str(folder), "--seed", str(SEED), "--workers", "1"]
-    assert main([*command, "--json"]) == 0
+    command = ["reproduce", "--quick", "-o", str(folder), "--seed", str(SEED), "--workers", "1", "--json"]
+    assert main(command) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["findings"] == [finding.plain() for finding in reproduction.results.findings()]
     assert told["findings"][0]["claim"] == "two positions need fewer steps"
     assert "beltsort reproduce --quick" in Path(told["report"]).read_text()
-    assert main(command) == 0
+    show_text(reproduction)
     assert "two positions need fewer steps" in capsys.readouterr().out
 
 

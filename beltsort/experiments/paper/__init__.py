@@ -36,6 +36,7 @@ from beltsort.experiments.paper.propagation import propagated, propagation_figur
 from beltsort.experiments.paper.reproduction import Reproduction, reproduce
 from beltsort.experiments.paper.run import Results, cell_of, run_experiments
 from beltsort.experiments.paper.scans import PreparedCell, scan_points, sort_scans
+from beltsort.experiments.paper.sphere import reached_sphere
 from beltsort.experiments.paper.statistics import Estimate, difference, mean, saving, slope
 from beltsort.experiments.paper.verdicts import Finding, Verdict
 
@@ -73,6 +74,7 @@ __all__ = [
     "plain_table",
     "propagated",
     "propagation_figure",
+    "reached_sphere",
     "reproduce",
     "run_experiments",
     "saving",

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 from beltsort.experiments.paper.beyond import BONUS, POSITIONS, STUDIES
 from beltsort.experiments.paper.curves import TICKS, WORDS
 from beltsort.experiments.paper.outcomes import Row, select
-from beltsort.experiments.paper.policies import DESPOT, INFORMATION_GAIN, OPTIMUM, THRESHOLD
+from beltsort.experiments.paper.policies import POLICIES
+from beltsort.experiments.paper.statistics import mean
 from beltsort.experiments.paper.style import (
     ERROR_BARS,
     curve,
@@ -41,9 +42,10 @@ def bounds_figure(optimum: Sequence[Row]) -> "Figure":
         value.fill_between(x, lower, upper, color="0.75", label="certified bounds of the optimum")
         value.plot(x, lower, color="black", linewidth=1.0, marker="_", label="lower bound: a policy's value")
         value.set(ylabel="value (discounted reward)", title=WORDS[positions])
-        for number, policy in enumerate((DESPOT, OPTIMUM, THRESHOLD, INFORMATION_GAIN)):
-            means = [max(row["losses"][policy]["mean"], LOSS_FLOOR) for row in rows]
-            errors = [1.96 * row["losses"][policy]["standard_error"] for row in rows]
+        for number, policy in enumerate(POLICIES):
+            losses = [mean(row["losses"][policy]) for row in rows]
+            means = [max(estimate.value, LOSS_FLOOR) for estimate in losses]
+            errors = [estimate.interval[1] - estimate.value for estimate in losses]
             loss.errorbar(x, means, yerr=errors, label=policy, **style(number))
         loss.set(yscale="log", ylabel=f"loss per batch ({LOSS_FLOOR:g}: or less)")
         penalty_axis(value, TICKS)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 
 from beltsort.experiments.paper.outcomes import Row, only, select
-from beltsort.experiments.paper.policies import DESPOT, THRESHOLD
+from beltsort.experiments.paper.policies import DESPOT
 from beltsort.experiments.paper.printed import R_MIN
 from beltsort.experiments.paper.statistics import Estimate, difference, saving, slope
 from beltsort.experiments.paper.verdicts import Finding, in_words, verdict
@@ -93,21 +93,3 @@ def _grows(rows: Sequence[Row], outcome: str, name: str, where: str, positions: 
 def growth_per_decade(rows: Sequence[Row], outcome: str) -> Estimate:
     """Return by how much an outcome grows for each tenfold r_min."""
     return slope([math.log10(row["r_min"]) for row in rows], [row[outcome] for row in rows])
-
-
-def against_threshold(rows: Sequence[Row], where: str) -> list[Finding]:
-    """Return what planning gains over the tuned threshold policy, with one and two positions."""
-    found = []
-    for positions, words in POSITIONS.items():
-        planned, simple = (
-            only(rows, policy=policy, positions=positions, r_min=R_MIN) for policy in (DESPOT, THRESHOLD)
-        )
-        gained = difference(planned["returns"], simple["returns"])
-        text = (
-            f"At r_min = {R_MIN:g} with {words}, DESPOT earns {in_words(gained, digits=2)} more per batch "
-            "(undiscounted) than the threshold policy tuned on other seeds."
-        )
-        found.append(
-            Finding(f"planning beats a tuned threshold, {words}", where, verdict(gained, 0.0), gained, text)
-        )
-    return found

@@ -63,7 +63,7 @@ class Design:
     r_min_discounts: tuple[float, ...] = (5.0, 50.0, 500.0)
     r_min_optimum: tuple[float, ...] = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 350.0, 500.0)
     discounts: tuple[float, ...] = (0.95, 0.9, 0.99)
-    batches: int = 2000
+    batches: int = 1500
     batches_cell: int = 500
     batches_discounts: int = 150
     batches_beyond: int = 500

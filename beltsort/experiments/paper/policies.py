@@ -1,6 +1,6 @@
 """The planner and the simple policies it is held against, tuned on seeds of their own."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from beltsort import Despot, InformationGain, Policy, SortingModel, Threshold, evaluate
@@ -11,24 +11,38 @@ POLICIES = (DESPOT, THRESHOLD, INFORMATION_GAIN)
 THRESHOLDS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.96, 0.97, 0.98, 0.99, 0.995, 0.998)
 BATCH = 10
 
-SIMPLE: dict[str, Callable[[SortingModel, float], Policy]] = {
-    THRESHOLD: Threshold,
-    INFORMATION_GAIN: lambda model, threshold: InformationGain(model, threshold, model.positions),
-}
 
+def policy_at(point: Mapping[str, Any], model: SortingModel) -> tuple[Policy, str | None]:
+    """Return a point's policy and, in words, what was tuned of it, if anything.
 
-def policy_at(point: Mapping[str, Any], model: SortingModel) -> tuple[Policy, float | None]:
-    """Return a point's policy and the parameter that was tuned, if any.
-
-    A simple policy gets the threshold with the highest mean discounted return, which is what DESPOT plans
+    A simple policy gets the parameters with the highest mean discounted return, which is what DESPOT plans
     for, on the point's tuning seed.
     """
     if point["policy"] == DESPOT:
         return Despot(model, trials=point["trials"], threads=1), None
-    make = SIMPLE[point["policy"]]
-    scores = {threshold: _score(point, model, make(model, threshold)) for threshold in THRESHOLDS}
+    candidates = CANDIDATES[point["policy"]](model)
+    scores = {name: _score(point, model, policy) for name, policy in candidates.items()}
     best = max(scores, key=scores.__getitem__)
-    return make(model, best), best
+    return candidates[best], best
+
+
+def _thresholds(model: SortingModel) -> dict[str, Policy]:
+    return {
+        f"{threshold:g} from {name}": Threshold(model, threshold, viewpoint)
+        for viewpoint, name in enumerate(model.viewpoints)
+        for threshold in THRESHOLDS
+    }
+
+
+def _information_gains(model: SortingModel) -> dict[str, Policy]:
+    return {
+        f"{threshold:g}, positions counted: {counted}": InformationGain(model, threshold, counted)
+        for counted in range(1, model.positions + 1)
+        for threshold in THRESHOLDS
+    }
+
+
+CANDIDATES = {THRESHOLD: _thresholds, INFORMATION_GAIN: _information_gains}
 
 
 def _score(point: Mapping[str, Any], model: SortingModel, policy: Policy) -> float:

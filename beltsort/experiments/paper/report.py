@@ -21,7 +21,7 @@ from beltsort.experiments.paper.outcomes import plain_table, select
 from beltsort.experiments.paper.policies import DESPOT
 from beltsort.experiments.paper.printed import R_MIN
 from beltsort.experiments.paper.run import Results
-from beltsort.experiments.paper.verdicts import Finding
+from beltsort.experiments.paper.verdicts import Finding, Verdict
 from beltsort.machine import processor_name, processors
 from beltsort.tables import Counts, table_one, table_two
 
@@ -103,8 +103,8 @@ def write_report(
     return path
 
 
-def findings_page(findings: Iterable[Finding]) -> list[str]:
-    """Return the findings in words, by condition."""
+def findings_page(findings: Sequence[Finding]) -> list[str]:
+    """Return the findings: how often each claim holds, then all in words, by condition."""
     by_condition: dict[str, list[Finding]] = {}
     for finding in findings:
         by_condition.setdefault(finding.where, []).append(finding)
@@ -114,6 +114,7 @@ def findings_page(findings: Iterable[Finding]) -> list[str]:
         "it says the opposite, and is <em>open</em> otherwise, or from fewer than ten batches. Differences "
         "are taken batch by batch on the same objects; p-values are two-sided and not corrected for the "
         "number of claims.</p>",
+        _table(_overview(findings)),
     ]
     for where, found in by_condition.items():
         lines.append(f"<h3>{escape(where)}</h3><ul>")
@@ -123,6 +124,19 @@ def findings_page(findings: Iterable[Finding]) -> list[str]:
         ]
         lines.append("</ul>")
     return lines
+
+
+def _overview(findings: Sequence[Finding]) -> list[dict[str, Any]]:
+    """Count the conditions in which each claim holds, fails and stays open."""
+    claims = dict.fromkeys(finding.claim for finding in findings)
+    return [
+        {"claim": claim}
+        | {
+            str(verdict): sum(f.claim == claim and f.verdict == verdict for f in findings)
+            for verdict in Verdict
+        }
+        for claim in claims
+    ]
 
 
 def _observation_tables(counts: Counts) -> list[str]:
