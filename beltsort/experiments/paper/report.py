@@ -35,9 +35,9 @@ img { max-width: 100%; } figure { margin: 1.5rem 0; } pre { font-size: 13px; ove
 .holds { font-weight: bold; } .fails { font-weight: bold; text-decoration: underline; }
 """
 THINNED = (
-    "This is the quick run: few batches, depth scans and offline solutions at three penalties only, no "
-    "discount of 0.99, no four positions. It shows that everything works; for what is true, run it without "
-    "--quick."
+    "This is the quick run: few batches (two of depth scans), depth scans and offline solutions at three "
+    "penalties only, no discount of 0.99, no four positions, fewer settings beyond the paper. It shows that "
+    "everything works; for what is true, run it without --quick."
 )
 SHOWN = ("objects", "positions", "r_min", "policy", "batches")
 MEANS = ("steps", "positives", "negatives")

@@ -20,7 +20,7 @@ def reached_sphere() -> tuple[ViewpointMap, str]:
         said = f"everything above {LOWEST:g} degrees; the extra `ik` would tell what an arm reaches"
     else:
         x, y, z, _yaw = BASE
-        said = f"what a {ROBOT.upper()} with its base at ({x:g}, {y:g}, {z:g}) m reaches above {LOWEST:g} degrees"
+        said = f"what a {ROBOT.upper()} based at ({x:g}, {y:g}, {z:g}) m reaches above {LOWEST:g} degrees"
     return map_viewpoints(Sampling(count=POINTS), VIEWPOINTS, lowest=LOWEST, reachable=arm), said
 
 
