@@ -21,7 +21,7 @@ def add_parser(subparsers: Subparsers) -> None:
         help="run the paper's experiments; write figures, tables and a report",
         description="Run the paper's experiments, with labels drawn from tables and from depth scans, and "
         "write every figure (PNG, SVG), the numbers (CSV) and one report (HTML) into a folder. A run that "
-        "broke off goes on if started again with the same folder. The full run takes about 40 minutes of "
+        "broke off goes on if started again with the same folder. The full run takes about half an hour of "
         "two idle cores, and two minutes more for training and tables the first time.",
     )
     parser.add_argument(

@@ -38,10 +38,10 @@ class Design:
         The first is the one of every figure; the paper prints none.
     batches, batches_cell, batches_discounts, batches_beyond
         Batches of ten with labels drawn from the paper's tables at the first discount, from the simulated
-        cell's tables, at the other discounts (plans at 0.99 take ten times as long), and in what goes beyond
-        the paper.
+        cell's tables, at the other discounts, and in what goes beyond the paper.
     batches_tuning, batches_optimum
-        Batches that each candidate of a simple policy is tuned on, and on which regret is measured.
+        Batches of ten whose objects each candidate of a simple policy is tuned on, and batches on which
+        regret is measured.
     batches_scans
         Batches of ten sorted from depth scans.
     trials
@@ -63,13 +63,13 @@ class Design:
     r_min_discounts: tuple[float, ...] = (5.0, 50.0, 500.0)
     r_min_optimum: tuple[float, ...] = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 350.0, 500.0)
     discounts: tuple[float, ...] = (0.95, 0.9, 0.99)
-    batches: int = 1500
-    batches_cell: int = 500
-    batches_discounts: int = 150
+    batches: int = 2500
+    batches_cell: int = 1000
+    batches_discounts: int = 300
     batches_beyond: int = 500
-    batches_tuning: int = 1000
+    batches_tuning: int = 3000
     batches_optimum: int = 200
-    batches_scans: int = 20
+    batches_scans: int = 30
     trials: int = 50
     seconds_optimum: float = 10.0
     bonuses: tuple[float, ...] = (0.0, 1.0, 3.0, 10.0, 30.0)
@@ -85,7 +85,7 @@ class Design:
 
 
 FULL = Design()
-"""The whole of it: about 40 minutes of two idle cores."""
+"""The whole of it: about half an hour of two idle cores."""
 
 QUICK = Design(
     r_min_scans=(5.0, 50.0, 500.0),
@@ -95,7 +95,7 @@ QUICK = Design(
     batches_cell=30,
     batches_discounts=30,
     batches_beyond=40,
-    batches_tuning=300,
+    batches_tuning=500,
     batches_optimum=50,
     batches_scans=2,
     seconds_optimum=3.0,

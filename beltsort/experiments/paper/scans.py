@@ -104,7 +104,7 @@ def sort_batch(point: Mapping[str, Any], journal: Path) -> Row:
     true = true_labels(point, model)
     cell = SimulatedCell(true, cell_with(model.positions), seed=point["seed"])
     perception = Perception(cell.layout, _classifier(point["database"]))
-    planner = Despot(model, trials=point["trials"], threads=1)
+    planner = _planner(point["model"], point["trials"])
     with Journal(journal) as written:
         report = sort_objects(cell, perception, planner, model, written, objects=BATCH)
     return outcomes_of(report, true, model)
@@ -137,6 +137,12 @@ def outcomes_of(report: SortingReport, true: list[int], model: SortingModel) -> 
         "negatives": [len(right) - sum(right)],
         "returns": [rewards - (report.steps - len(right))],
     }
+
+
+@lru_cache(maxsize=1)
+def _planner(model: str, trials: int) -> Despot:
+    """Make a planner once for the batches of one condition: it keeps nothing from one plan to the next."""
+    return Despot(SortingModel.from_json(model), trials=trials, threads=1)
 
 
 @lru_cache(maxsize=1)
