@@ -23,6 +23,7 @@ from beltsort.cli import (
     export,
     info,
     plan,
+    reproduce,
     run,
     show,
     solve,
@@ -49,6 +50,7 @@ COMMANDS = (
     estimate,
     show,
     explain,
+    reproduce,
 )
 FAILED, INTERRUPTED = 2, 130
 

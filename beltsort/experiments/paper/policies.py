@@ -1,0 +1,74 @@
+"""The planner and the simple policies it is held against, tuned on seeds of their own."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from beltsort import Despot, InformationGain, Policy, SortingModel, Threshold, evaluate
+
+DESPOT, THRESHOLD, INFORMATION_GAIN, OPTIMUM = "DESPOT", "threshold", "information gain", "offline solution"
+POLICIES = (DESPOT, THRESHOLD, INFORMATION_GAIN)
+
+THRESHOLDS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.96, 0.97, 0.98, 0.99, 0.995, 0.998)
+BATCH = 10
+FORGOTTEN = 0.01
+"""A reward discounted to this share no longer counts."""
+
+
+def policy_at(point: Mapping[str, Any], model: SortingModel) -> tuple[Policy, str | None]:
+    """Return a point's policy and, in words, what was tuned of it, if anything.
+
+    A simple policy gets the parameters with the highest mean discounted return on the point's tuning seed, of
+    batches so long that their end does not count: that is what DESPOT plans for. Tuned on batches of ten, it
+    would profit from knowing that nothing follows the tenth object.
+    """
+    if point["policy"] == DESPOT:
+        return Despot(model, trials=point["trials"], threads=1), None
+    candidates = CANDIDATES[point["policy"]](model)
+    scores = {name: _score(point, model, policy) for name, policy in candidates.items()}
+    best = max(scores, key=scores.__getitem__)
+    return candidates[best], best
+
+
+def _thresholds(model: SortingModel) -> dict[str, Policy]:
+    return {
+        f"{threshold:g} from {name}": Threshold(model, threshold, viewpoint)
+        for viewpoint, name in enumerate(model.viewpoints)
+        for threshold in THRESHOLDS
+    }
+
+
+def _information_gains(model: SortingModel) -> dict[str, Policy]:
+    return {
+        f"{threshold:g}, positions counted: {counted}": InformationGain(model, threshold, counted)
+        for counted in range(1, model.positions + 1)
+        for threshold in THRESHOLDS
+    }
+
+
+CANDIDATES = {THRESHOLD: _thresholds, INFORMATION_GAIN: _information_gains}
+
+
+def tuning_size(discount: float) -> int:
+    """Return the objects of a batch after which rewards no longer count, at two steps each or more.
+
+    Examples
+    --------
+    >>> tuning_size(0.95)
+    45
+    """
+    return math.ceil(math.log(FORGOTTEN) / math.log(discount) / 2.0)
+
+
+def _score(point: Mapping[str, Any], model: SortingModel, policy: Policy) -> float:
+    size = tuning_size(model.discount)
+    result = evaluate(
+        model,
+        policy,
+        batches=math.ceil(point["batches_tuning"] * BATCH / size),
+        batch_size=size,
+        seed=point["seed_tuning"],
+        threads=1,
+        true_classes=point["true_classes"],
+    )
+    return float(result.discounted_returns.mean())

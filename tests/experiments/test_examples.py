@@ -1,0 +1,46 @@
+"""The examples run, as a reader would run them, and the docstrings' examples are true."""
+
+import doctest
+import os
+import pkgutil
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from beltsort.experiments import paper
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "examples"
+SAYS = {
+    "01_own_classes_from_meshes": "views of cap, pyramid",
+    "02_own_tables_from_csv": "first: Move(viewpoint=1)",
+    "03_own_policy": "correct: 9",
+    "04_comparing_planners": "the best possible value is between",
+    "05_exporting_to_pomdp": "discount: 0.95",
+    "07_pieces_of_the_paper": "saved: ",
+}
+MODULES = [module.name for module in pkgutil.iter_modules(paper.__path__, f"{paper.__name__}.")]
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in FOLDER.glob("*.py")))
+def test_example(name: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, str(FOLDER / f"{name}.py")],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    assert SAYS.get(name, "") in done.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", [paper.__name__, *MODULES])
+def test_docstring_examples(name: str) -> None:
+    assert doctest.testmod(import_module(name)).failed == 0
