@@ -41,8 +41,9 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run, write and print the findings."""
-    from beltsort.experiments.demo import check_seed, make_folder
+    from beltsort.experiments.demo import check_seed
     from beltsort.experiments.paper import FULL, QUICK, reproduce
+    from beltsort.runs import make_folder
     from beltsort.tables.prepare import prepare
     from beltsort.tables.processes import at_least_one
 

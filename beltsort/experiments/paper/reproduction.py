@@ -4,12 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from beltsort.experiments.demo import check_seed, make_folder
+from beltsort.experiments.demo import check_seed
 from beltsort.experiments.paper.design import FULL, Design
 from beltsort.experiments.paper.figures import Picture, draw_all
 from beltsort.experiments.paper.files import write_tables
 from beltsort.experiments.paper.report import Circumstances, write_report
 from beltsort.experiments.paper.run import STORE, Results, cell_of, run_experiments
+from beltsort.runs import make_folder
 from beltsort.tables.prepare import Prepared, StageProgress
 
 
