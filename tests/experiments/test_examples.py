@@ -20,6 +20,7 @@ SAYS = {
     "03_own_policy": "correct: 9",
     "04_comparing_planners": "the best possible value is between",
     "05_exporting_to_pomdp": "discount: 0.95",
+    "06_replaying_a_bag": "p3: object, object",
     "07_pieces_of_the_paper": "saved: ",
 }
 MODULES = [module.name for module in pkgutil.iter_modules(paper.__path__, f"{paper.__name__}.")]

@@ -1,0 +1,45 @@
+"""Recorded scans played back: a look from every viewpoint goes into a ROS bag, and is perceived from there.
+
+Any bag with clouds and camera poses will do, ROS 1 or 2: docs/ros.md says what it must hold. Needs the extra
+`replay`.
+"""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from beltsort.cell import Scan
+from beltsort.cell.replay import Recorder, RecordingArm, RecordingCamera, Replay, ReplayOptions
+from beltsort.cell.simulated import SimulatedCell
+from beltsort.geometry import BeltLayout
+from beltsort.perception import segment
+
+
+def record(folder: Path) -> tuple[str, ...]:
+    """Record a simulated cell, as one would a real one; return the viewpoints' names."""
+    cell = SimulatedCell([0, 1], seed=1)
+    with Recorder(folder) as recorder:
+        arm = RecordingArm(cell, recorder, cell.viewpoints)
+        camera = RecordingCamera(cell, recorder)
+        for viewpoint in range(len(cell.viewpoints)):
+            camera.scan(not_before=arm.move_to(viewpoint, f"move-{viewpoint}"))
+    return cell.viewpoints
+
+
+def told(scan: Scan) -> str:
+    """Say what stands at each belt position."""
+    return ", ".join(str(finding) for finding in segment(scan, BeltLayout()).findings)
+
+
+def main() -> None:
+    """Record, play back, and look."""
+    with TemporaryDirectory() as folder:
+        bag = Path(folder) / "looks"
+        names = record(bag)
+        replay = Replay(ReplayOptions(path=str(bag), viewpoints=names))
+        for viewpoint, name in enumerate(names):
+            scan = replay.scan(not_before=replay.move_to(viewpoint, f"move-{viewpoint}"))
+            print(f"{name}: {told(scan)}")
+
+
+if __name__ == "__main__":
+    main()
