@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from beltsort import BeltsortError, __version__
 from beltsort.cli import (
     bench,
+    calibrate_check,
     classify,
     compare,
     demo,
@@ -40,6 +41,7 @@ COMMANDS = (
     train,
     classify,
     estimate,
+    calibrate_check,
     show,
     explain,
 )
