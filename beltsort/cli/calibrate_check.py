@@ -10,6 +10,7 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table
 from beltsort.cli.progress import tenths
 from beltsort.cli.solve import check_writable
+from beltsort.text import numbers_or_none
 
 if TYPE_CHECKING:
     from beltsort.comparison import Difference
@@ -122,7 +123,7 @@ def as_json(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None
         "seed": arguments.seed,
         "arms": {name: arm.to_dict() for name, arm in arms.items()},
         "differences": {
-            name: {what: asdict(difference) for what, difference in by.items()}
+            name: {what: numbers_or_none(asdict(difference)) for what, difference in by.items()}
             for name, by in differences(arms).items()
         },
         "causes": None if causes is None else causes.to_dict(),

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from beltsort.comparison import Difference
 from beltsort.experiments.calibration import Reliability, reliability
 from beltsort.experiments.sorted_runs import RUN_LENGTH, SortedRun, decision_pairs, step_pairs
+from beltsort.text import numbers_or_none
 
 Array = NDArray[np.float64]
 
@@ -61,7 +62,7 @@ class Arm:
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, fit for JSON."""
-        means = {name: asdict(mean) for name, mean in self.means().items()}
+        means = {name: numbers_or_none(asdict(mean)) for name, mean in self.means().items()}
         return {**means, **{kind: curve.to_dict() for kind, curve in self.curves.items()}}
 
     def _per_run(self) -> dict[str, Array]:

@@ -12,6 +12,7 @@ from beltsort.experiments.portraits import collect_portraits
 from beltsort.experiments.sorted_runs import decision_pairs
 from beltsort.perception import NearestNeighbour
 from beltsort.tables.processes import Progress
+from beltsort.text import numbers_or_none
 
 AS_MODELLED, UNCERTAIN = "labels as modelled", "tables as uncertain as they are"
 
@@ -39,7 +40,7 @@ class Causes:
         """Return everything as plain data, fit for JSON."""
         return {
             "objects": self.objects,
-            "dependences": [asdict(dependence) for dependence in self.dependences],
+            "dependences": [numbers_or_none(asdict(found)) for found in self.dependences],
             "imagined": {
                 name: {what: curve.to_dict() for what, curve in curves.items()}
                 for name, curves in self.imagined.items()

@@ -102,7 +102,7 @@ class _Weighted:
             x, e = one_hot[true == label], wrong[true == label]
             seen = x.sum(axis=2)
             pairs = np.einsum("o,oa,ob->ab", w, seen, seen)
-            others = _others(seen[:, :, np.newaxis], w)
+            others = np.maximum(_others(seen[:, :, np.newaxis], w), 1.0)  # 0 if all is one object
             self._pairs += pairs
             self._agree += np.einsum("o,oaz,obz->ab", w, x, x, optimize=True)
             self._wrong += np.einsum("o,oa,ob->ab", w, e, e)
