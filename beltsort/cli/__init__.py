@@ -13,6 +13,7 @@ from beltsort import BeltsortError, __version__
 from beltsort.cell.problems import CellFileError
 from beltsort.cli import (
     bench,
+    calibrate_check,
     check,
     classify,
     compare,
@@ -48,6 +49,7 @@ COMMANDS = (
     train,
     classify,
     estimate,
+    calibrate_check,
     show,
     explain,
     reproduce,

@@ -1,0 +1,64 @@
+"""Reliability of synthetic beliefs, and of what a journal tells."""
+
+import numpy as np
+import pytest
+
+import beltsort
+from beltsort.experiments.calibration import Pairs, reliability
+from beltsort.experiments.dependence import dependences
+from beltsort.experiments.portraits import Portraits
+from beltsort.experiments.sorted_runs import run_in
+from beltsort.journal import Entry
+
+
+def pairs(n: int, temper: float) -> Pairs:
+    rng = np.random.default_rng(1)
+    beliefs = rng.dirichlet([0.5] * 3, n)
+    truth = beliefs**temper / (beliefs**temper).sum(axis=1, keepdims=True)
+    drawn = (rng.random((n, 1)) > truth.cumsum(axis=1)).sum(axis=1).clip(max=2)
+    return Pairs(beliefs, np.arange(3) == drawn[:, np.newaxis], np.arange(n), n)
+
+
+def test_calibrated_beliefs_err_by_chance_alone() -> None:
+    curve = reliability(pairs(1000, temper=1.0))
+    assert curve.ece < 1.6 * curve.ece_chance
+    assert abs(curve.brier - curve.brier_expected) < 3.0 * curve.brier_excess_error
+    assert curve.counts.sum() == curve.pairs == 3000
+
+
+def test_overconfident_beliefs_are_found() -> None:
+    curve = reliability(pairs(1000, temper=0.4))
+    assert curve.ece > 3.0 * curve.ece_chance
+    assert curve.ece_p < 0.01
+    assert curve.brier > curve.brier_expected + 3.0 * curve.brier_excess_error
+
+
+def test_bad_pairs_are_refused() -> None:
+    with pytest.raises(beltsort.ArgumentError, match="shapes"):
+        Pairs([[0.5]], [[True, False]], [0], 1)
+    with pytest.raises(beltsort.ArgumentError, match="probability"):
+        Pairs([[1.5]], [[True]], [0], 1)
+
+
+def test_only_repeated_looks_depend() -> None:
+    rng = np.random.default_rng(0)
+    true = np.arange(400) % 2
+    labels = np.where(
+        rng.random((400, 2, 2, 1)) < 0.7, true[:, None, None, None], 1 - true[:, None, None, None]
+    )
+    repeat, *others = dependences(Portraits(true, np.repeat(labels, 2, axis=3)))
+    assert repeat.repeated == pytest.approx(1.0)
+    assert all(abs(found.repeated) < 4.0 * found.repeated_error for found in others)
+
+
+def test_pairs_of_a_run_are_its_journal() -> None:
+    model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]] * 2)
+    start = Entry(1, "", "start", None, {"run": "r", "objects": 1, "model": model.to_json()})
+    scan = {"viewpoint": 0, "labels": [0, 1], "empty": [False, False], "dropped": []}
+    scan |= {"belief": [[0.8, 0.2], [0.2, 0.8]], "last_labels": [[-1], [-1]]}
+    decision = {"label": 0, "bin": 0, "belief": 0.8, "looks": 1, "forced": None}
+    entries = [start, Entry(2, "", "scan", 0, scan), Entry(3, "", "decision", 0, decision)]
+    run = run_in(entries, true=[0])
+    assert run.beliefs == ((0, (0.8, 0.2)),)
+    assert run.decisions == ((0, 0, 0.8),)
+    assert run.correct == 1
