@@ -64,7 +64,9 @@ def test_roles_with_the_same_options_share_the_simulated_cell(tmp_path: Path) ->
     other = ('[belt]\nbackend = "simulated"', '[belt]\nbackend = "simulated"\noptions = {seed = 1}')
     apart = composed(tmp_path, other)
     apart.belt.advance_to(2, "advance-1")
-    assert apart.camera.scan(not_before=0.0).stamp == 0.0
+    assert cell.sorter.outcome_of("advance-1") is Outcome.DONE
+    assert apart.sorter.outcome_of("advance-1") is Outcome.NOT_DONE
+    assert apart.camera.scan(not_before=0.0).stamp == 3.0, "it sees what the other belt has brought"
 
 
 def test_a_third_partys_back_end_is_found_and_harmful(acme: Press, tmp_path: Path) -> None:
