@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from beltsort.cell.frames import from_quaternion
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
@@ -138,15 +139,7 @@ def rigid(translation: Sequence[float], quaternion: Sequence[float]) -> Pose:
             f"the translation {list(translation)} and the quaternion {list(quaternion)} of length {length:g} "
             "are no rigid transform, expected finite numbers and length 1; look at their publisher"
         )
-    x, y, z, w = np.asarray(quaternion, dtype=np.float64) / length
-    pose = np.eye(4)
-    pose[:3, :3] = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ]
-    pose[:3, 3] = translation
-    return pose
+    return from_quaternion(translation, [float(part) / length for part in quaternion])
 
 
 def quaternion_of(pose: Pose) -> tuple[float, float, float, float]:
