@@ -1,6 +1,7 @@
 """The cell file: what a robot cell consists of, as TOML (docs/cell.md)."""
 
 import tomllib
+from dataclasses import asdict
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -24,6 +25,7 @@ from beltsort.cell.sections import (
     Viewpoint,
 )
 from beltsort.cell.validation import OWN_CHECKS, Section, validated
+from beltsort.errors import ViewpointError
 from beltsort.geometry import BeltLayout, Pose
 from beltsort.perception.config import PerceptionConfig
 from beltsort.rules import Rules
@@ -152,4 +154,16 @@ def _read(path: Path) -> dict[str, Any]:
     if given.get("version") != VERSION:
         found = given.get("version", "missing")
         raise CellFileError.of("version", f"is {found} in {path}, expected {VERSION}: write version = 1")
+    if isinstance(file := given.get("viewpoints"), str):
+        given["viewpoints"] = _viewpoints_in(path.parent / file)
     return given
+
+
+def _viewpoints_in(path: Path) -> list[dict[str, Any]]:
+    """Return the viewpoints of a file that `beltsort viewpoints` wrote, as a cell file gives them."""
+    from beltsort.viewpoints import ViewpointMap
+
+    try:
+        return [asdict(viewpoint) for viewpoint in ViewpointMap.load(path).viewpoints]
+    except ViewpointError as reason:
+        raise CellFileError.of("viewpoints", f"names {path}: {reason}") from reason

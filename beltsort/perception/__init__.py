@@ -13,7 +13,7 @@ from beltsort.perception.normals import oriented_normals
 from beltsort.perception.pipeline import Perceived, Perception
 from beltsort.perception.segment import Segmented, segment
 from beltsort.perception.training import Trained, train_from_clouds
-from beltsort.perception.vfh import vfh
+from beltsort.perception.vfh import vfh, vfh_batch
 
 __all__ = [
     "Classifier",
@@ -36,4 +36,5 @@ __all__ = [
     "segment",
     "train_from_clouds",
     "vfh",
+    "vfh_batch",
 ]

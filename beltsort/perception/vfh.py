@@ -1,5 +1,7 @@
 """The viewpoint feature histogram."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -100,6 +102,41 @@ def vfh(
             "give the camera's position in the frame of the points"
         )
     return histogram
+
+
+def vfh_batch(
+    clouds: Sequence[ArrayLike],
+    normals: Sequence[ArrayLike],
+    viewpoints: Sequence[ArrayLike],
+    **settings: bool,
+) -> Histogram:
+    """Return the viewpoint feature histograms of many clouds, shape (m, 308).
+
+    Parameters
+    ----------
+    clouds, normals, viewpoints
+        As many of each, m; of each cloud what `vfh` takes.
+    **settings
+        Keywords of `vfh`, the same for all.
+
+    Raises
+    ------
+    CloudError
+        If there are not as many of each, or `vfh` refuses a cloud; which one is a note of the error.
+    """
+    if not len(clouds) == len(normals) == len(viewpoints):
+        raise CloudError(
+            f"{len(clouds)} clouds, {len(normals)} arrays of normals and {len(viewpoints)} viewpoints, "
+            "expected as many of each: give every cloud its own"
+        )
+    rows = np.empty((len(clouds), LENGTH))
+    for number, (points, directions, viewpoint) in enumerate(zip(clouds, normals, viewpoints, strict=True)):
+        try:
+            rows[number] = vfh(points, directions, viewpoint=viewpoint, **settings)
+        except CloudError as refused:
+            refused.add_note(f"cloud {number} of {len(clouds)}")
+            raise
+    return rows
 
 
 def checked_view(points: ArrayLike, viewpoint: ArrayLike) -> tuple[Points, Points]:

@@ -14,6 +14,7 @@ from beltsort.cell.problems import CellFileError
 from beltsort.cell.simulated import CellConfig
 from beltsort.geometry import BeltLayout
 from beltsort.rules import Rules
+from beltsort.viewpoints import map_viewpoints
 from tests.cell.cell_files import EXAMPLE, changed, described
 
 OBJECTS = "\nobjects = 10\n"
@@ -172,3 +173,20 @@ def test_what_cannot_be_simulated_is_refused(tmp_path: Path) -> None:
         compose(described(tmp_path, (OBJECTS, f"\n{bins}\n")), live=False, say=print)
     with pytest.raises(CellFileError, match=r"draw_from\[1\]: is 'livarn'; did you mean 'livarno'"):
         compose(described(tmp_path, ('"livarno"]', '"livarn"]')), live=False, say=print)
+
+
+def test_viewpoints_may_come_from_their_own_file(tmp_path: Path) -> None:
+    views = map_viewpoints()
+    views.save(tmp_path / "views.json")
+    text = EXAMPLE.read_text()
+    tables = text[text.index("[[viewpoints]]") : text.index("# Options of one back-end")]
+    path = tmp_path / "cell.toml"
+    path.write_text(text.replace(tables, "").replace("version = 1", 'version = 1\nviewpoints = "views.json"'))
+    described = CellDescription.load(path)
+    assert described.viewpoint_names == tuple(viewpoint.name for viewpoint in views.viewpoints)
+    pose = described.viewpoints[1].pose()
+    assert pose is not None
+    assert np.allclose(pose, views.viewpoints[1].pose())
+    path.write_text(path.read_text().replace("views.json", "none.json"))
+    with pytest.raises(CellFileError, match=r"viewpoints: names .*none\.json"):
+        CellDescription.load(path)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from beltsort.errors import CloudError
 from beltsort.experiments.plain_vfh import plain_vfh
 from beltsort.geometry import Points
-from beltsort.perception import vfh
+from beltsort.perception import vfh, vfh_batch
 
 FIXTURES = sorted((Path(__file__).parents[1] / "fixtures" / "vfh_pcl").glob("*.npz"))
 OPTION_SETS: dict[str, dict[str, bool]] = {
@@ -204,3 +204,18 @@ POINTS, NORMALS = bump(0, 10)
 def test_bad_input_is_a_cloud_error(points: Any, normals: Any, viewpoint: Any, said: str) -> None:
     with pytest.raises(CloudError, match=said):
         vfh(points, normals, viewpoint=viewpoint)
+
+
+def test_many_clouds_are_described_as_one_by_one() -> None:
+    rng = np.random.default_rng(3)
+    clouds = [rng.normal(size=(n, 3)) * 0.03 for n in (5, 50, 7)]
+    normals = [cloud / np.linalg.norm(cloud, axis=1, keepdims=True) for cloud in clouds]
+    eyes = [(0.0, 0.0, 1.0), (0.5, 0.0, 1.0), (0.0, 0.7, 0.1)]
+    rows = vfh_batch(clouds, normals, eyes, size_component=False)
+    for row, cloud, directions, eye in zip(rows, clouds, normals, eyes, strict=True):
+        assert np.array_equal(row, vfh(cloud, directions, viewpoint=eye, size_component=False))
+    with pytest.raises(CloudError, match="3 clouds, 2 arrays of normals"):
+        vfh_batch(clouds, normals[:2], eyes)
+    with pytest.raises(CloudError) as refused:
+        vfh_batch([clouds[0], clouds[1][:2]], [normals[0], normals[1][:2]], eyes[:2])
+    assert refused.value.__notes__ == ["cloud 1 of 2"]
