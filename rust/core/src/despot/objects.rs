@@ -25,7 +25,10 @@ pub(crate) struct Objects {
     looks: Vec<Look>,
     /// The object of each look but the first, and how it is seen; behind those of `looks` at hand lie older ones.
     taken: Vec<(Object, Sighting)>,
-    /// The look at an object, by [`Objects::key`]; [`ABSENT`] where there is none yet.
+    /// The row of an object at a position, by [`Objects::at`]; [`ABSENT`] where no look at it has been required yet:
+    /// most labels of most looks are never followed.
+    rows: Vec<u32>,
+    /// Rows: the look from each viewpoint; [`ABSENT`] where there is none yet.
     index: Vec<u32>,
     /// The last labels at the root.
     memory: Memory,
@@ -39,7 +42,8 @@ impl Objects {
         self.memory.clone_from(belief.memory());
         self.taken.clear();
         self.index.clear();
-        self.index.resize((self.positions + 1) * self.positions * self.viewpoints, ABSENT);
+        self.rows.clear();
+        self.rows.resize((self.positions + 1) * self.positions, ABSENT);
         if self.looks.is_empty() {
             self.looks.push(Look::default());
         }
@@ -61,13 +65,17 @@ impl Objects {
     /// Have the looks that a scan takes, once they are worked out.
     pub(super) fn require(&mut self, model: &SortingModel, objects: &[Object], viewpoint: usize) {
         for (position, object) in objects.iter().enumerate() {
+            let at = self.at(*object, position);
+            if self.rows[at] == ABSENT {
+                self.rows[at] = id(self.index.len() / self.viewpoints);
+                self.index.resize(self.index.len() + self.viewpoints, ABSENT);
+            }
             let key = self.key(*object, position, viewpoint);
             if self.index[key] == ABSENT {
                 let last = self.last_label(model, *object, position, viewpoint);
                 self.taken.push((*object, Sighting { position, viewpoint, last }));
                 self.index[key] = id(self.taken.len());
-                let objects = self.index.len() + self.classes * self.positions * self.viewpoints;
-                self.index.resize(objects, ABSENT);
+                self.rows.resize(self.rows.len() + self.classes * self.positions, ABSENT);
             }
         }
     }
@@ -176,11 +184,17 @@ impl Objects {
         still_there.then(|| self.memory.last(model, position, viewpoint)).flatten()
     }
 
-    /// Objects are numbered label by label, look by look.
+    /// Where a look at an object that has a row is indexed.
     #[inline(always)]
     fn key(&self, object: Object, position: usize, viewpoint: usize) -> usize {
+        self.rows[self.at(object, position)] as usize * self.viewpoints + viewpoint
+    }
+
+    /// Objects are numbered label by label, look by look.
+    #[inline(always)]
+    fn at(&self, object: Object, position: usize) -> usize {
         let (look, label) = (object.look as usize, object.label as usize);
         let first = if look == 0 { 0 } else { self.positions + 1 + (look - 1) * self.classes };
-        ((first + label) * self.positions + position) * self.viewpoints + viewpoint
+        (first + label) * self.positions + position
     }
 }
