@@ -10,7 +10,7 @@ import pytest
 from beltsort.cell import CommandError, Outcome
 from beltsort.cell.ros1 import Ros1Arm
 from tests.cell.ros1 import scene
-from tests.cell.ros1.conftest import Rig
+from tests.cell.ros1.rig import Rig
 
 
 @pytest.fixture(scope="session")
@@ -64,7 +64,7 @@ def test_arrival_elsewhere(rig: Rig, either: Ros1Arm) -> None:
     with pytest.raises(CommandError, match=said) as error:
         either.move_to(0, one, timeout=10.0)
     assert error.value.outcome is either.outcome_of(one) is Outcome.NOT_DONE
-    rig.tell()
+    rig.mend()
     time.sleep(0.1)
     assert either.move_to(0, one, timeout=10.0) > 0.0
     assert either.outcome_of(one) is Outcome.DONE
@@ -105,6 +105,6 @@ def test_a_stop_from_another_thread_ends_the_motion(rig: Rig, either: Ros1Arm) -
     assert error.value.outcome is Outcome.UNKNOWN
     stopping.join(10.0)
     time.sleep(0.1)
-    rig.tell()
+    rig.mend()
     assert either.outcome_of(one) is not Outcome.DONE
     assert either.move_to(1, one, timeout=10.0) > 0.0

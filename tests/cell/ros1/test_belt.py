@@ -7,7 +7,7 @@ import pytest
 
 from beltsort.cell import CommandError, Outcome
 from beltsort.cell.ros1 import Ros1Belt
-from tests.cell.ros1.conftest import Rig
+from tests.cell.ros1.rig import Rig
 
 OBJECTS = count(10, 10)
 """The belt of all tests moves forward only."""

@@ -10,7 +10,7 @@ from beltsort.cell import CommandError, Outcome
 from beltsort.cell.ros1 import Ros1Arm, Ros1Camera
 from beltsort.errors import CellError
 from tests.cell.ros1 import scene
-from tests.cell.ros1.conftest import Rig
+from tests.cell.ros1.rig import Rig
 
 
 def test_a_scan_is_what_was_published(camera: Ros1Camera) -> None:

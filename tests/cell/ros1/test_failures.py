@@ -15,7 +15,7 @@ import pytest
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
 from tests.cell.ros1 import scene
-from tests.cell.ros1.conftest import Rig, free_port
+from tests.cell.ros1.rig import Rig, free_port
 
 SOON = 0.3
 
@@ -179,7 +179,7 @@ def test_the_emergency_stop(rig: Rig, arm: Ros1Arm, belt: Ros1Belt) -> None:
     for device in (arm, belt):
         health = device.health()
         assert (health.ready, health.emergency_stop) == (False, True)
-    rig.tell()
+    rig.mend()
     time.sleep(0.1)
     assert arm.move_to(0, an_id(), timeout=10.0) > 0.0
 
