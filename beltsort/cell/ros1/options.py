@@ -157,8 +157,8 @@ class Ros1BeltOptions(Ros1ActuatorOptions):
     command_topic
         Takes std_msgs/Int32: the number of the object to bring to the belt end.
     state_topic
-        std_msgs/Int32: the number of the object at the belt end while the belt stands, negative while it
-        moves.
+        std_msgs/Int32, at 5 Hz or more: the number of the object at the belt end while the belt stands,
+        negative while it moves.
     stop_topic
         Takes std_msgs/Empty: stop now.
     """

@@ -5,7 +5,7 @@
 {"travel": seconds of the belt}, {"emergency": whether the emergency stop is pressed},
 {"sort": seconds of the sorter}, {"full": whether its bins are},
 {"stuck": whether the belt does not move}, {"overshoot": whether it goes one object too far},
-{"mute": whether it acts, but reports nothing}
+{"mute": whether it acts on the next command, but reports nothing from then on}
 
 Each line is answered by one that tells the state of the world.
 """
@@ -48,6 +48,7 @@ class Peer:
         self.verdict = 1
         self.object, self.arrives = 0, 0.0
         self.press = Press(self.settings)
+        self.told = False
         advertise = rospy.Publisher
         self.clouds = advertise(CLOUDS, message_class("sensor_msgs/PointCloud2"), queue_size=1)
         self.states = advertise(JOINTS, message_class("sensor_msgs/JointState"), queue_size=10)
@@ -64,7 +65,7 @@ class Peer:
         hear(f"{ACTION}/cancel", message_class("actionlib_msgs/GoalID"), lambda _message: self.halt())
         hear(f"{BELT}/target", message_class("std_msgs/Int32"), self.advanced)
         hear(f"{BELT}/stop", message_class("std_msgs/Empty"), lambda _message: self.halt())
-        hear(f"{SORTER}/command", message_class("diagnostic_msgs/KeyValue"), self.press.told)
+        hear(f"{SORTER}/command", message_class("diagnostic_msgs/KeyValue"), self.sort)
         hear(f"{SORTER}/stop", message_class("std_msgs/Empty"), lambda _message: self.press.halt())
 
     def commanded(self, message: Any) -> None:
@@ -77,12 +78,18 @@ class Peer:
             self.go(trajectory.joint_names, trajectory.points[-1].positions)
 
     def go(self, names: list[str], positions: list[float]) -> None:
+        self.told = True
         self.target = {name: at + self.settings.offset for name, at in zip(names, positions, strict=True)}
 
     def halt(self) -> None:
         self.target, self.arrives = dict(self.joints), float("inf")
 
+    def sort(self, message: Any) -> None:
+        self.told = True
+        self.press.told(message)
+
     def advanced(self, message: Any) -> None:
+        self.told = True
         if not self.settings.stuck:
             self.object = message.data + self.settings.overshoot
             self.arrives = time.monotonic() + self.settings.travel
@@ -97,7 +104,8 @@ class Peer:
         self.press.beat()
         self.tf.publish(self.transforms())
         self.emergency.publish(self.settings.emergency)
-        if not self.settings.mute:
+        self.told &= self.settings.mute
+        if not self.told:
             self.report(n)
         if n % 5 == 0 and self.settings.cloud != "silent":
             self.clouds.publish(self.cloud())
