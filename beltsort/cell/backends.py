@@ -35,6 +35,7 @@ MODBUS = backend_of(
 )
 ROS1_CAMERA = backend_of(ros1.Ros1CameraOptions, lambda options, _cell: ros1.Ros1Camera(options))
 ROS1_BELT = backend_of(ros1.Ros1BeltOptions, lambda options, _cell: ros1.Ros1Belt(options))
+ROS1_SORTER = backend_of(ros1.Ros1SorterOptions, lambda options, _cell: ros1.Ros1Sorter(options))
 ROS1_ARM = Backend(
     lambda given, cell: ros1.Ros1Arm(validated(ros1.Ros1ArmOptions, with_viewpoints(given, cell)))
 )

@@ -30,7 +30,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
     "simulated": dict.fromkeys(ROLES, "beltsort.cell.simulated.backend:BACKEND"),
     "opcua": dict.fromkeys(("belt", "sorter"), "beltsort.cell.backends:OPCUA"),
     "modbus": dict.fromkeys(("belt", "sorter"), "beltsort.cell.backends:MODBUS"),
-    "ros1": {role: f"beltsort.cell.backends:ROS1_{role.upper()}" for role in ("arm", "camera", "belt")},
+    "ros1": {role: f"beltsort.cell.backends:ROS1_{role.upper()}" for role in ROLES},
     "replay": dict.fromkeys(("arm", "camera", "belt"), "beltsort.cell.backends:REPLAY"),
     "dry-run": {role: f"beltsort.cell.dry_run:{role.upper()}" for role in ROLES},
 }

@@ -7,7 +7,10 @@ from typing import TypeVar
 
 import pytest
 
-from tests.contract.peers import EVERY, SECURE, SERVERS, BeltAndSorter, Peer, ServerPeer
+from tests.account import Account
+from tests.contract.bench import Bench, named
+from tests.contract.peer import BeltAndSorter, Peer
+from tests.contract.peers import SECURE, SERVERS, TOGETHER, ServerPeer
 
 Kind = TypeVar("Kind", bound=Peer)
 
@@ -37,15 +40,18 @@ def pool(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pool]:
         yield Pool(tmp_path_factory.mktemp("peers"), stack)
 
 
-def named(kind: type[Peer]) -> str:
-    return kind.__name__.removesuffix("Peer")
+@pytest.fixture
+def bench(request: pytest.FixtureRequest, pool: Pool, account: Account) -> Bench[Peer]:
+    """An actuator of a back-end, as `benches` says."""
+    kind, role = request.param
+    return Bench(pool.ready(kind), role, account)
 
 
-@pytest.fixture(params=EVERY, ids=named)
+@pytest.fixture(params=TOGETHER, ids=named)
 def device(request: pytest.FixtureRequest, pool: Pool) -> BeltAndSorter:
-    """The device of any back-end, with object 0 at the belt end."""
-    peer: Peer = pool.ready(request.param)
-    return peer.device()
+    """Belt and sorter in one device, with object 0 at the belt end."""
+    device: BeltAndSorter = pool.ready(request.param).device()
+    return device
 
 
 @pytest.fixture(params=SERVERS, ids=named)

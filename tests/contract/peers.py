@@ -1,6 +1,6 @@
 """Back-ends under contract: how a test starts one, hurts it, and connects to it.
 
-A new back-end joins with a class here: a `Peer`, or a `ServerPeer` if it is a process of its own.
+A new back-end joins by a class in `EVERY`: a `Peer`, or a `ProcessPeer` if it is a process of its own.
 """
 
 import json
@@ -8,70 +8,38 @@ import signal
 import socket
 import subprocess
 import sys
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
-from beltsort.cell import Belt, Sorter, within
+from beltsort.cell import within
 from beltsort.cell.controller import FieldbusDevice
 from beltsort.cell.controller.pki import Identity, identity
+from beltsort.cell.controller.wire import NOWHERE
 from beltsort.cell.modbus import ModbusOptions
 from beltsort.cell.modbus import make as make_modbus
 from beltsort.cell.opcua import OpcuaOptions
 from beltsort.cell.opcua import make as make_opcua
-
-PATIENCE = 20.0
-"""Seconds that a process may take to start or to say something."""
+from tests.contract.in_process import DryRunPeer, InProcessPeer, ReplayPeer, SimulatedPeer
+from tests.contract.peer import PATIENCE, Peer, ProcessPeer
+from tests.contract.ros1_peer import Ros1Peer
 
 SPEED = 20
 """An advance by one object takes 0.075 s, a sort 0.15 s."""
+
+LONG_WAY = 40
+"""Objects that it takes the belt 3 s to advance by."""
 
 ANSWER_TIMEOUT = 0.8
 """Seconds; short, since tests wait for it to pass."""
 
 
-class BeltAndSorter(Belt, Sorter, Protocol):
-    """The devices under contract."""
-
-
-class Peer(ABC):
-    """A back-end, which `folder` belongs to."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    @abstractmethod
-    def device(self) -> BeltAndSorter:
-        """Return the device, with object 0 at the belt end."""
-
-    @abstractmethod
-    def refresh(self) -> None:
-        """Make it ready for the next test."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """End it, whatever state it is in."""
-
-
-class SimulatedPeer(Peer):
-    """The simulated cell: never far away, so it cannot be killed or hung."""
-
-    def device(self) -> BeltAndSorter:
-        from beltsort.cell.simulated import SimulatedCell
-
-        return SimulatedCell([0] * 50)
-
-    def refresh(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
-
-
-class ServerPeer(Peer):
+class ServerPeer(ProcessPeer):
     """A reference server in a process of its own, on a free port of 127.0.0.1."""
 
+    actuators = ("belt", "sorter")
+    camera = False
     module: ClassVar[str]
     secure: ClassVar[bool]
 
@@ -129,6 +97,50 @@ class ServerPeer(Peer):
     def distrustful(self) -> FieldbusDevice:
         """Return a device that does not trust the server."""
         return self._kept(self.connect(self.client, self.server.trust, self.port))
+
+    def ready(self, role: str) -> FieldbusDevice:
+        self._device = self.device()
+        return self._device
+
+    def fresh(self, role: str) -> int:
+        if role == "sorter":
+            self._device.home(self.world("belt"))  # an object that is not sorted yet
+            return 1
+        return self.world("belt") + 1
+
+    def far(self, role: str) -> int:
+        return self.world("belt") + LONG_WAY if role == "belt" else self.fresh(role)
+
+    def impossible(self, role: str) -> int:
+        return self.world("belt") - 1 if role == "belt" else 17
+
+    def world(self, role: str) -> int:
+        seen = self.push("look")
+        return int(seen["position"] if role == "belt" else sum(seen["bins"]))
+
+    def busy(self, role: str) -> bool:
+        return bool(self.push("look")["position"] == NOWHERE)
+
+    def lose(self, role: str) -> None:
+        self.push("lose")
+
+    def fill(self) -> None:
+        self.push("fill")
+
+    def heard(self) -> None:
+        pass
+
+    def looked_at(self, index: int) -> None:
+        self._device.home(index)
+
+    def mend(self) -> None:
+        self.push("empty")
+
+    def stick(self) -> None:
+        self.push("stick")
+
+    def overshoot(self) -> None:
+        self.push("overshoot")
 
     def push(self, button: str) -> dict[str, Any]:
         """Push a button of the operator's panel; return what it shows."""
@@ -210,4 +222,12 @@ class ModbusPeer(ServerPeer):
 
 SERVERS: Sequence[type[ServerPeer]] = (OpcuaPeer, ModbusPeer, ModbusTlsPeer)
 SECURE: Sequence[type[ServerPeer]] = tuple(peer for peer in SERVERS if peer.secure)
-EVERY: Sequence[type[Peer]] = (SimulatedPeer, *SERVERS)
+IN_PROCESS: Sequence[type[InProcessPeer]] = (SimulatedPeer, DryRunPeer, ReplayPeer)
+PROCESSES: Sequence[type[ProcessPeer]] = (*SERVERS, Ros1Peer)
+EVERY: Sequence[type[Peer]] = (*IN_PROCESS, *PROCESSES)
+REFUSING: Sequence[type[Peer]] = tuple(kind for kind in EVERY if kind is not DryRunPeer)
+"""All but those that take any command."""
+POSED: Sequence[type[InProcessPeer]] = (SimulatedPeer, ReplayPeer)
+"""Those whose scans tell where the arm is."""
+TOGETHER: Sequence[type[SimulatedPeer] | type[ServerPeer]] = (SimulatedPeer, *SERVERS)
+"""Those whose belt and sorter are one device."""

@@ -1,18 +1,10 @@
-"""What every back-end does with commands."""
-
-from itertools import count
+"""What belt and sorter of one controller know of each other."""
 
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from tests.contract.peers import BeltAndSorter
-
-NUMBERS = count()
-
-
-def new_id() -> str:
-    """Return a command id that no other test uses."""
-    return f"command-{next(NUMBERS)}"
+from tests.contract.bench import new_id
+from tests.contract.peer import BeltAndSorter
 
 
 def test_a_command_is_done_when_it_returns(device: BeltAndSorter) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from beltsort.errors import JournalError
 from beltsort.journal import Entry, Journal, read_journal
+from tests.account import Account
 
 KILLED_BETWEEN_INTENT_AND_OUTCOME = """
 import os, signal, sys
@@ -56,7 +57,8 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         Journal(tmp_path / "missing" / "j")
 
 
-def test_a_full_disk_is_told_and_keeps_what_was_written(tmp_path: Path) -> None:
+def test_a_full_disk_is_told_and_keeps_what_was_written(tmp_path: Path, account: Account) -> None:
+    account.injected("journal")
     journal = Journal(tmp_path / "j")
     journal.append("start")
     journal._database.execute("PRAGMA max_page_count=1")

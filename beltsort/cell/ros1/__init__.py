@@ -1,4 +1,4 @@
-"""A cell on ROS 1: a camera that publishes clouds, an arm that takes joint positions, a belt that counts.
+"""A cell on ROS 1: a camera that publishes clouds, an arm that takes joints, a belt that counts, a sorter.
 
 Needs rospy of Debian's packages, which is loaded in a process of its own when a device is first used.
 `docs/ros.md` tells how to set up a cell.
@@ -7,7 +7,13 @@ Needs rospy of Debian's packages, which is loaded in a process of its own when a
 from beltsort.cell.ros1.arm import Ros1Arm
 from beltsort.cell.ros1.belt import Ros1Belt
 from beltsort.cell.ros1.camera import Ros1Camera
-from beltsort.cell.ros1.options import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions
+from beltsort.cell.ros1.options import (
+    Ros1ArmOptions,
+    Ros1BeltOptions,
+    Ros1CameraOptions,
+    Ros1SorterOptions,
+)
+from beltsort.cell.ros1.sorter import Ros1Sorter
 
 __all__ = [
     "Ros1Arm",
@@ -16,4 +22,6 @@ __all__ = [
     "Ros1BeltOptions",
     "Ros1Camera",
     "Ros1CameraOptions",
+    "Ros1Sorter",
+    "Ros1SorterOptions",
 ]

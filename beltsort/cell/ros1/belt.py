@@ -44,7 +44,7 @@ class Ros1Belt(Ros1Device):
             return command.outcome
         try:
             self.connect()
-            state = self._await(Deadline(HEALTH_TIMEOUT))
+            state = self._current(Deadline(HEALTH_TIMEOUT))
         except CellError:
             return Outcome.UNKNOWN
         arrived = state is not None and state.message["data"] == command.target
@@ -65,7 +65,7 @@ class Ros1Belt(Ros1Device):
     def _advance(self, index: int, timeout: float) -> float:
         deadline = Deadline(timeout)
         self._link.connect(timeout)
-        state = self._await(deadline)
+        state = self._current(deadline)
         if state is None:
             raise CommandError(
                 f"the belt reports nothing on {self._topic} within {timeout:g} s; start it", Outcome.NOT_DONE
@@ -81,6 +81,11 @@ class Ros1Belt(Ros1Device):
             self._publish(self._options.command_topic, {"data": index}, deadline)
             state = self._arrival(index, state, deadline, timeout)
         return state.stamp
+
+    def _current(self, deadline: Deadline) -> News | None:
+        """Return the next report: the newest one may be a belt's that has been restarted since."""
+        newest = self._await(deadline, at_most=0.0)
+        return self._await(deadline, newest.number if newest else 0)
 
     def _arrival(self, index: int, state: News, deadline: Deadline, timeout: float) -> News:
         while state.message["data"] != index:

@@ -6,13 +6,10 @@ from uuid import uuid4
 from beltsort.cell.ros.joints import Joints
 from beltsort.cell.ros1.link import Deadline, Link
 from beltsort.cell.ros1.options import Ros1ArmOptions
+from beltsort.cell.ros1.status import RUNNING, SUCCEEDED
 
 POSITION_MODE = 1
 """JointCommand's number of it."""
-
-RUNNING = (0, 1, 6, 7)
-"""GoalStatus: pending, active, preempting, recalling."""
-SUCCEEDED = 3
 
 Post = tuple[str, dict[str, Any]]
 """A topic, and the message for it."""

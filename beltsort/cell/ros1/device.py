@@ -1,4 +1,4 @@
-"""What camera, arm and belt have in common: a node, and a topic by which the other side shows itself."""
+"""What the devices have in common: a node, and a topic by which the other side shows itself."""
 
 import time
 from typing import Any, NamedTuple, Self

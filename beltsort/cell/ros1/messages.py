@@ -3,7 +3,11 @@
 Loaded in the node's process only: it needs genpy and the message packages.
 """
 
+import atexit
+import inspect
+import shutil
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
@@ -36,6 +40,7 @@ TRAJECTORY_GOAL = SEPARATOR.join(
 )
 
 DEFINITIONS = {
+    "diagnostic_msgs/KeyValue": "string key\nstring value\n",
     "baxter_core_msgs/JointCommand": JOINT_COMMAND,
     "control_msgs/FollowJointTrajectoryActionGoal": TRAJECTORY_GOAL,
 }
@@ -44,6 +49,17 @@ DEFINITIONS = {
 def message_class(kind: str) -> Any:
     """Return the class of a message type, as "std_msgs/Int32"."""
     if kind in DEFINITIONS:
-        return import_module("genpy.dynamic").generate_dynamic(kind, DEFINITIONS[kind])[kind]
+        return _made(kind)
     package, name = kind.split("/")
     return getattr(import_module(f"{package}.msg"), name)
+
+
+def _made(kind: str) -> Any:
+    """Return a class made from its definition.
+
+    genpy leaves its source in a temporary folder until the process exits, which a killed one never does.
+    """
+    made = import_module("genpy.dynamic").generate_dynamic(kind, DEFINITIONS[kind])[kind]
+    shutil.rmtree(Path(inspect.getfile(made)).parent)
+    atexit.unregister(shutil.rmtree)
+    return made

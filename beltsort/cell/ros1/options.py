@@ -1,4 +1,4 @@
-"""What of a ROS 1 system is the camera, the arm and the belt."""
+"""What of a ROS 1 system is the camera, the arm, the belt and the sorter."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -30,7 +30,7 @@ class Ros1Options:
 
 @dataclass(frozen=True, kw_only=True)
 class Ros1ActuatorOptions(Ros1Options):
-    """What arm and belt have in common.
+    """What arm, belt and sorter have in common.
 
     Attributes
     ----------
@@ -157,8 +157,8 @@ class Ros1BeltOptions(Ros1ActuatorOptions):
     command_topic
         Takes std_msgs/Int32: the number of the object to bring to the belt end.
     state_topic
-        std_msgs/Int32: the number of the object at the belt end while the belt stands, negative while it
-        moves.
+        std_msgs/Int32, at 5 Hz or more: the number of the object at the belt end while the belt stands,
+        negative while it moves.
     stop_topic
         Takes std_msgs/Empty: stop now.
     """
@@ -166,3 +166,31 @@ class Ros1BeltOptions(Ros1ActuatorOptions):
     command_topic: str = "/belt/target"
     state_topic: str = "/belt/object"
     stop_topic: str = "/belt/stop"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros1SorterOptions(Ros1ActuatorOptions):
+    """A sorter that keeps a record of command ids.
+
+    Attributes
+    ----------
+    command_topic
+        Takes diagnostic_msgs/KeyValue: a key, on which it acts once, and the number of the bin.
+    state_topic
+        actionlib_msgs/GoalStatusArray, at 10 Hz or more: what became of each key that it remembers.
+    stop_topic
+        Takes std_msgs/Empty: stop now.
+    """
+
+    command_topic: str = "/sorter/command"
+    state_topic: str = "/sorter/state"
+    stop_topic: str = "/sorter/stop"
+
+    def __post_init__(self) -> None:
+        """Refuse a sorter that would hear itself."""
+        topics = (self.command_topic, self.state_topic, self.stop_topic)
+        if len({topic for topic in topics if topic}) < len(topics):
+            raise CellError(
+                f"command_topic, state_topic and stop_topic are {topics}, expected three different names; "
+                "give each the sorter's own"
+            )

@@ -97,26 +97,6 @@ def test_stale_scan(record: Path) -> None:
         assert cell.scan(not_before=1.3).stamp == 1.51
 
 
-def test_unreachable_viewpoint(record: Path) -> None:
-    with (
-        Replay(options(record)) as cell,
-        pytest.raises(CommandError, match=r"viewpoint is 2, .* 0 to 1") as error,
-    ):
-        cell.move_to(2, "one")
-    assert error.value.outcome is Outcome.NOT_DONE
-
-
-def test_duplicate_command_id(record: Path) -> None:
-    with Replay(options(record)) as cell:
-        stop = cell.move_to(0, "one")
-        cell.scan(not_before=stop)
-        assert cell.move_to(0, "one") == stop
-        assert cell.outcome_of("one") is Outcome.DONE
-        assert cell.outcome_of("two") is Outcome.NOT_DONE
-        with pytest.raises(CommandError, match="give every command its own id"):
-            cell.move_to(1, "one")
-
-
 def test_restarted(record: Path) -> None:
     with Replay(options(record)) as cell:
         boot = cell.health()

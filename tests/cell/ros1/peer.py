@@ -1,8 +1,13 @@
-"""A camera, an arm and a belt on ROS 1: `python -m tests.cell.ros1.peer`, told what to do by lines of JSON.
+"""A cell on ROS 1: `python -m tests.cell.ros1.peer`, told what to do by lines of JSON.
 
 {"cloud": "good" | "stale" | "empty" | "nan" | "truncated" | "silent" | "frame"}, {"offset": radians},
 {"speed": radians a second}, {"verdict": GoalStatus},
-{"travel": seconds of the belt}, {"emergency": whether the emergency stop is pressed}
+{"travel": seconds of the belt}, {"emergency": whether the emergency stop is pressed},
+{"sort": seconds of the sorter}, {"full": whether its bins are},
+{"stuck": whether the belt does not move}, {"overshoot": whether it goes one object too far},
+{"mute": whether it acts on the next command, but reports nothing from then on}
+
+Each line is answered by one that tells the state of the world.
 """
 
 import json
@@ -16,7 +21,19 @@ import numpy as np
 
 from beltsort.cell.ros.clouds import packed
 from beltsort.cell.ros1.messages import message_class
-from tests.cell.ros1.scene import ACTION, BELT, CLOUDS, COMMAND, EMERGENCY, HOME, JOINTS, POINTS, Settings
+from tests.cell.ros1.press import Press
+from tests.cell.ros1.scene import (
+    ACTION,
+    BELT,
+    CLOUDS,
+    COMMAND,
+    EMERGENCY,
+    HOME,
+    JOINTS,
+    POINTS,
+    SORTER,
+    Settings,
+)
 
 rospy: Any = import_module("rospy")
 BEAT = 0.02
@@ -30,6 +47,8 @@ class Peer:
         self.goal: str | None = None
         self.verdict = 1
         self.object, self.arrives = 0, 0.0
+        self.press = Press(self.settings)
+        self.told = False
         advertise = rospy.Publisher
         self.clouds = advertise(CLOUDS, message_class("sensor_msgs/PointCloud2"), queue_size=1)
         self.states = advertise(JOINTS, message_class("sensor_msgs/JointState"), queue_size=10)
@@ -38,6 +57,7 @@ class Peer:
         self.emergency = advertise(EMERGENCY, message_class("std_msgs/Bool"), queue_size=1)
         goal_states = message_class("actionlib_msgs/GoalStatusArray")
         self.status = advertise(f"{ACTION}/status", goal_states, queue_size=1)
+        self.sorted = advertise(f"{SORTER}/state", goal_states, queue_size=10)
         hear = rospy.Subscriber
         hear(COMMAND, message_class("baxter_core_msgs/JointCommand"), self.commanded)
         goal = message_class("control_msgs/FollowJointTrajectoryActionGoal")
@@ -45,6 +65,8 @@ class Peer:
         hear(f"{ACTION}/cancel", message_class("actionlib_msgs/GoalID"), lambda _message: self.halt())
         hear(f"{BELT}/target", message_class("std_msgs/Int32"), self.advanced)
         hear(f"{BELT}/stop", message_class("std_msgs/Empty"), lambda _message: self.halt())
+        hear(f"{SORTER}/command", message_class("diagnostic_msgs/KeyValue"), self.sort)
+        hear(f"{SORTER}/stop", message_class("std_msgs/Empty"), lambda _message: self.press.halt())
 
     def commanded(self, message: Any) -> None:
         self.go(message.names, message.command)
@@ -56,13 +78,21 @@ class Peer:
             self.go(trajectory.joint_names, trajectory.points[-1].positions)
 
     def go(self, names: list[str], positions: list[float]) -> None:
+        self.told = True
         self.target = {name: at + self.settings.offset for name, at in zip(names, positions, strict=True)}
 
     def halt(self) -> None:
         self.target, self.arrives = dict(self.joints), float("inf")
 
+    def sort(self, message: Any) -> None:
+        self.told = True
+        self.press.told(message)
+
     def advanced(self, message: Any) -> None:
-        self.object, self.arrives = message.data, time.monotonic() + self.settings.travel
+        self.told = True
+        if not self.settings.stuck:
+            self.object = message.data + self.settings.overshoot
+            self.arrives = time.monotonic() + self.settings.travel
 
     def beat(self, n: int) -> None:
         step = self.settings.speed * BEAT
@@ -71,15 +101,29 @@ class Peer:
         arrived = self.joints == self.target
         if arrived and self.goal is not None:
             self.verdict = self.settings.verdict
-        self.states.publish(self.joint_state(self.joints))
-        self.states.publish(self.joint_state({"gripper": 0.0}))
+        self.press.beat()
         self.tf.publish(self.transforms())
         self.emergency.publish(self.settings.emergency)
+        self.told &= self.settings.mute
+        if not self.told:
+            self.report(n)
+        if n % 5 == 0 and self.settings.cloud != "silent":
+            self.clouds.publish(self.cloud())
+
+    def report(self, n: int) -> None:
+        self.states.publish(self.joint_state(self.joints))
+        self.states.publish(self.joint_state({"gripper": 0.0}))
         self.belt.publish(self.object if time.monotonic() >= self.arrives else -1)
+        self.sorted.publish(self.press.report())
         if n % 5 == 0:
             self.status.publish(self.goal_states())
-            if self.settings.cloud != "silent":
-                self.clouds.publish(self.cloud())
+
+    def world(self) -> dict[str, Any]:
+        """What an onlooker sees."""
+        travelling = time.monotonic() < self.arrives
+        moving = self.joints != self.target
+        busy = {"arm": moving, "belt": travelling, "sorter": self.press.busy}
+        return {"joints": self.joints, "object": self.object, "bins": self.press.bins, "busy": busy}
 
     def joint_state(self, joints: dict[str, float]) -> Any:
         message = message_class("sensor_msgs/JointState")()
@@ -129,6 +173,7 @@ def main() -> None:
         for line in sys.stdin:
             for name, value in json.loads(line).items():
                 setattr(peer.settings, name, value)
+            print(json.dumps(peer.world()), flush=True)
 
     threading.Thread(target=listen, daemon=True).start()
     n = 0

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beltsort.cell.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions
+from beltsort.cell.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions, Ros1SorterOptions
 
 CLOUDS, JOINTS, COMMAND = "/camera/points", "/robot/joint_states", "/robot/limb/right/joint_command"
-ACTION, BELT, EMERGENCY = "/arm/follow_joint_trajectory", "/belt", "/emergency_stop"
+ACTION, BELT, SORTER, EMERGENCY = "/arm/follow_joint_trajectory", "/belt", "/sorter", "/emergency_stop"
 
 HOME = {"shoulder": 0.0, "elbow": 0.0}
 TAUGHT = {"p1": {"shoulder": 0.3, "elbow": -0.2}, "p2": {"shoulder": -0.3, "elbow": 0.4}}
@@ -25,6 +25,11 @@ class Settings:
     verdict: int = 3
     travel: float = 0.15
     emergency: bool = False
+    sort: float = 0.1
+    full: bool = False
+    stuck: bool = False
+    overshoot: bool = False
+    mute: bool = False
 
 
 def camera_by_tf(master: str) -> Ros1CameraOptions:
@@ -54,3 +59,7 @@ def arm(master: str, *, action: bool = False) -> Ros1ArmOptions:
 
 def belt(master: str) -> Ros1BeltOptions:
     return Ros1BeltOptions(master=master, emergency_stop_topic=EMERGENCY)
+
+
+def sorter(master: str) -> Ros1SorterOptions:
+    return Ros1SorterOptions(master=master, emergency_stop_topic=EMERGENCY)

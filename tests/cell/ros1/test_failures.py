@@ -15,7 +15,7 @@ import pytest
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
 from tests.cell.ros1 import scene
-from tests.cell.ros1.conftest import Rig, free_port
+from tests.cell.ros1.rig import Rig, free_port
 
 SOON = 0.3
 
@@ -28,42 +28,6 @@ def own_nodes() -> list[int]:
     """Return the processes in which our nodes run."""
     children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
     return [pid for pid in map(int, children) if "ros1.node" in Path(f"/proc/{pid}/cmdline").read_text()]
-
-
-def test_killed_mid_command_and_restarted(rig: Rig, arm: Ros1Arm) -> None:
-    arm.move_to(0, an_id(), timeout=10.0)
-    boot = arm.health().boot_id
-    rig.tell(speed=0.2)
-    time.sleep(0.1)
-    one = an_id()
-    threading.Timer(SOON, rig.kill, [rig.peer]).start()
-    with pytest.raises(
-        CommandError, match=r"nobody listens to /robot/limb/right/joint_command any more on the way to 'p2'"
-    ) as error:
-        arm.move_to(1, one, timeout=10.0)
-    assert error.value.outcome is arm.outcome_of(one) is Outcome.UNKNOWN
-    assert not arm.health().ready
-    with pytest.raises(CommandError, match=r"nobody listens|no joint states") as error:
-        arm.move_to(1, an_id(), timeout=0.5)
-    assert error.value.outcome is Outcome.NOT_DONE
-    rig.start_peer()
-    assert arm.move_to(1, one, timeout=10.0) > 0.0
-    health = arm.health()
-    assert health.ready
-    assert health.boot_id != boot
-
-
-def test_a_belt_killed_mid_command(rig: Rig, belt: Ros1Belt) -> None:
-    assert belt.health().ready
-    rig.tell(travel=60.0)
-    time.sleep(0.1)
-    threading.Timer(SOON, rig.kill, [rig.peer]).start()
-    one = an_id()
-    with pytest.raises(CommandError, match="reported -1 last") as error:
-        belt.advance_to(10**6, one, timeout=1.0)
-    assert error.value.outcome is Outcome.UNKNOWN
-    rig.start_peer()
-    assert belt.outcome_of(one) is Outcome.UNKNOWN
 
 
 def test_the_master_killed_mid_command_and_restarted(rig: Rig, arm: Ros1Arm) -> None:
@@ -179,7 +143,7 @@ def test_the_emergency_stop(rig: Rig, arm: Ros1Arm, belt: Ros1Belt) -> None:
     for device in (arm, belt):
         health = device.health()
         assert (health.ready, health.emergency_stop) == (False, True)
-    rig.tell()
+    rig.mend()
     time.sleep(0.1)
     assert arm.move_to(0, an_id(), timeout=10.0) > 0.0
 

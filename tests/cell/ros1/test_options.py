@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from beltsort.cell.ros1.options import Ros1ArmOptions, Ros1CameraOptions
+from beltsort.cell.ros1.options import Ros1ArmOptions, Ros1CameraOptions, Ros1SorterOptions
 from beltsort.cell.ros1.standstill import Motion, Standstill
 from beltsort.errors import CellError
 from tests.cell.ros1 import scene
@@ -54,6 +54,15 @@ def test_an_arm_that_cannot_be_commanded(changes: dict[str, Any], said: str) -> 
     options: Ros1ArmOptions = scene.arm(MASTER)
     with pytest.raises(CellError, match=said):
         dataclasses.replace(options, **changes)
+
+
+@pytest.mark.parametrize(
+    "topics", [("/same", "/same", "/stop"), ("/command", "", "/stop"), ("/a", "/b", "/a")]
+)
+def test_a_sorter_that_would_hear_itself(topics: tuple[str, str, str]) -> None:
+    command, state, stop = topics
+    with pytest.raises(CellError, match="expected three different names"):
+        Ros1SorterOptions(command_topic=command, state_topic=state, stop_topic=stop)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,24 @@
+"""A table of the faults that the tests have injected."""
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.account import Account, table
+
+
+@pytest.fixture
+def account(record_property: Callable[[str, object], None]) -> Account:
+    """Notes what befalls the back-ends in this test."""
+    return Account(record_property)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print it, if there were any."""
+    ended = (terminalreporter.stats.get(outcome, []) for outcome in ("passed", "failed"))
+    reports = [report for some in ended for report in some if isinstance(report, pytest.TestReport)]
+    lines = list(table(report for report in reports if report.when == "call"))
+    if lines:
+        terminalreporter.section("faults")
+    for line in lines:
+        terminalreporter.line(line)

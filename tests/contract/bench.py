@@ -1,0 +1,95 @@
+"""One device of a back-end, with which a test does the same whatever it is."""
+
+import threading
+import time
+from collections.abc import Iterable
+from concurrent.futures import Future
+from itertools import count
+from typing import Any, Generic, TypeVar
+
+import pytest
+
+from beltsort.cell import CommandError, Outcome
+from tests.account import Account
+from tests.contract.peer import PATIENCE, Peer
+
+Kind = TypeVar("Kind", bound=Peer)
+METHODS = {"arm": "move_to", "belt": "advance_to", "sorter": "sort"}
+NUMBERS = count()
+
+
+def new_id() -> str:
+    """Return a command id that no other test uses."""
+    return f"command-{next(NUMBERS)}"
+
+
+def named(kind: type[Peer]) -> str:
+    return kind.__name__.removesuffix("Peer")
+
+
+def benches(kinds: Iterable[type[Peer]], *only: str) -> pytest.MarkDecorator:
+    """Return the mark of a test that runs with every actuator of these back-ends, or only with some."""
+    pairs = [(kind, role) for kind in kinds for role in kind.actuators if not only or role in only]
+    ids = [f"{named(kind)}-{role}" for kind, role in pairs]
+    return pytest.mark.parametrize("bench", pairs, ids=ids, indirect=True)
+
+
+class Bench(Generic[Kind]):
+    """An actuator, and the world that it acts on."""
+
+    def __init__(self, peer: Kind, role: str, account: Account) -> None:
+        self.peer, self.role = peer, role
+        self.device: Any = peer.ready(role)
+        self._account = account
+
+    def suffers(self) -> None:
+        """Note that a fault is being injected."""
+        self._account.injected(named(type(self.peer)))
+
+    def act(self, target: int, command_id: str, timeout: float = PATIENCE) -> Any:
+        return getattr(self.device, METHODS[self.role.split()[0]])(target, command_id, timeout=timeout)
+
+    def begun(self, target: int, command_id: str, timeout: float) -> Future[object]:
+        """Let a command run in another thread, and return when the device acts."""
+        future: Future[object] = Future()
+
+        def run() -> None:
+            try:
+                future.set_result(self.act(target, command_id, timeout))
+            except CommandError as failure:
+                future.set_exception(failure)
+
+        threading.Thread(target=run, daemon=True).start()
+        end = time.monotonic() + PATIENCE
+        while not self.peer.busy(self.role):
+            assert time.monotonic() < end
+        return future
+
+    def settled(self, command_id: str) -> Outcome:
+        """Return what became of a command, once the device can tell."""
+        end = time.monotonic() + PATIENCE
+        while (outcome := self.device.outcome_of(command_id)) is Outcome.UNKNOWN:
+            assert time.monotonic() < end
+            time.sleep(0.05)
+        return Outcome(outcome)
+
+    @property
+    def world(self) -> int:
+        return self.peer.world(self.role)
+
+    def after(self, target: int) -> int:
+        """Return what the world will be like after a command."""
+        return self.world + 1 if self.role == "sorter" else target
+
+    def check(self, expected: int) -> None:
+        """Check that the world is as it should be: nothing was lost, and nothing done twice."""
+        world = self.world
+        if not self.role.startswith("arm"):
+            self._account.lost(named(type(self.peer)), abs(world - expected))
+        assert world == expected
+
+
+def error_of(future: Future[object]) -> CommandError:
+    failure = future.exception(PATIENCE)
+    assert isinstance(failure, CommandError)
+    return failure

@@ -1,0 +1,115 @@
+"""A cell on ROS 1: a master and a peer in processes of their own."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
+from tests.cell.ros1 import scene
+from tests.cell.ros1.rig import Rig, require_ros
+from tests.contract.peer import ProcessPeer
+
+SLOW = {"arm": {"speed": 0.5}, "belt": {"travel": 1.0}, "sorter": {"sort": 1.0}}
+
+
+class Ros1Peer(ProcessPeer):
+    """The peer of tests/cell/ros1."""
+
+    actuators = ("arm", "arm by action", "belt", "sorter")
+    camera = True
+
+    def __init__(self, folder: Path) -> None:
+        require_ros()
+        super().__init__(folder)
+        folder.mkdir(exist_ok=True)
+        self._rig = Rig(folder)
+        uri = self._rig.uri
+        self._devices: dict[str, Any] = {
+            "arm": Ros1Arm(scene.arm(uri)),
+            "arm by action": Ros1Arm(scene.arm(uri, action=True)),
+            "belt": Ros1Belt(scene.belt(uri)),
+            "sorter": Ros1Sorter(scene.sorter(uri)),
+            "camera": Ros1Camera(scene.camera_by_tf(uri)),
+        }
+
+    def refresh(self) -> None:
+        self._rig.mend()
+
+    def close(self) -> None:
+        for device in self._devices.values():
+            device.close()
+        self._rig.close()
+
+    def ready(self, role: str) -> Any:
+        device = self._devices[role]
+        assert device.health().ready
+        return device
+
+    def fresh(self, role: str) -> int:
+        if role == "sorter":
+            return 1
+        return self.world("belt") + 1 if role == "belt" else 1 - self.world("arm") % 2
+
+    def far(self, role: str) -> int:
+        self._rig.tell(**SLOW[role.split()[0]])
+        return self.fresh(role)
+
+    def impossible(self, role: str) -> int:
+        return {"arm": 2, "belt": self.world("belt") - 1, "sorter": 17}[role.split()[0]]
+
+    def world(self, role: str) -> int:
+        """As `Peer.world`; an arm that stands elsewhere is at viewpoint -1."""
+        world = self._rig.tell()
+        if role == "belt":
+            return int(world["object"])
+        if role == "sorter":
+            return int(sum(world["bins"]))
+        joints = world["joints"]
+        at = (all(abs(joints[j] - x) < 0.02 for j, x in taught.items()) for taught in scene.TAUGHT.values())
+        return next((number for number, here in enumerate(at) if here), -1)
+
+    def busy(self, role: str) -> bool:
+        return bool(self._rig.tell()["busy"][role.split()[0]])
+
+    def lose(self, role: str) -> None:
+        self._rig.tell(mute=True)
+
+    def fill(self) -> None:
+        self._rig.tell(full=True)
+
+    def stick(self) -> None:
+        self._rig.tell(stuck=True)
+
+    def overshoot(self) -> None:
+        self._rig.tell(overshoot=True)
+
+    def stray(self) -> None:
+        """Let the arm stop beside its target."""
+        self._rig.tell(offset=0.05)
+
+    def spoil(self, kind: str) -> None:
+        self._rig.tell(cloud=kind)
+
+    def heard(self) -> None:
+        self._rig.tell(mute=False)
+
+    def now(self) -> float:
+        return time.time()
+
+    def looked_at(self, index: int) -> None:
+        self.mend()
+
+    def mend(self) -> None:
+        self._rig.mend()
+
+    def kill(self) -> None:
+        self._rig.kill(self._rig.peer)
+
+    def restart(self) -> None:
+        self._rig.start_peer()
+
+    def hang(self) -> None:
+        self._rig.freeze()
+
+    def resume(self) -> None:
+        self._rig.thaw()
