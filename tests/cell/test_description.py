@@ -64,9 +64,10 @@ def test_taught_joint_angles_need_no_pose(tmp_path: Path) -> None:
 
 
 def test_where_the_belt_lies_in_the_robots_world(tmp_path: Path) -> None:
-    np.testing.assert_array_equal(described(tmp_path).world_from_belt, np.eye(4))
+    assert described(tmp_path).placement.world_from_belt is None
     table = "[belt.world_from_belt]\nposition = [0.5, 0.0, 0.1]\nquaternion = [0.0, 0.0, 1.0, 0.0]\n[sorter]"
-    pose = described(tmp_path, ("[sorter]", table)).world_from_belt
+    pose = described(tmp_path, ("[sorter]", table)).placement.world_from_belt
+    assert pose is not None
     np.testing.assert_allclose(pose @ [0.1, 0.0, 0.0, 1.0], [0.4, 0.0, 0.1, 1.0], atol=1e-12)
 
 

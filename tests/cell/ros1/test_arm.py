@@ -1,5 +1,6 @@
 """An arm on ROS 1, by joint commands and by an action."""
 
+import dataclasses
 import threading
 import time
 from collections.abc import Iterator
@@ -47,6 +48,22 @@ def test_duplicate_command_id(either: Ros1Arm) -> None:
         either.move_to(1, one)
     assert error.value.outcome is Outcome.NOT_DONE
     assert either.outcome_of(an_id()) is Outcome.UNKNOWN
+
+
+def test_the_flange_is_where_tf_says(rig: Rig, arm: Ros1Arm) -> None:
+    assert arm.flange_pose() is None, "no frame is named"
+    options = dataclasses.replace(scene.arm(rig.uri), world_frame="world", flange_frame="optical")
+    with Ros1Arm(options) as telling:
+        telling.move_to(1, an_id(), timeout=10.0)
+        pose = telling.flange_pose(timeout=10.0)
+        assert pose is not None
+        assert pose[2, 3] == pytest.approx(scene.TAUGHT["p2"]["elbow"], abs=options.tolerance)
+    said = "the pose of 'hand' was not known within 1 s: no transforms"
+    with (
+        Ros1Arm(dataclasses.replace(options, flange_frame="hand")) as lost,
+        pytest.raises(CommandError, match=said),
+    ):
+        lost.flange_pose(timeout=1.0)
 
 
 def test_unreachable_viewpoint(arm: Ros1Arm) -> None:
