@@ -13,6 +13,8 @@ from beltsort.journal import Entry, read_journal
 from beltsort.progress import Progress, model_of
 
 JOURNAL = "journal.sqlite"
+BEFALLS = ("bad_scan", "wrong_viewpoint", "drift")
+"""Entries that tell of what went otherwise than planned."""
 COLUMNS = ("number", "time", "kind", "object", "data")
 
 
@@ -124,6 +126,16 @@ def step_of(entries: Sequence[Entry], number: int) -> Step:
         known = "of no step" if first is None else f"of steps {first} to {last}"
         raise JournalError(f"there is no step {number}; the journal tells {known}")
     return found
+
+
+def befell(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:
+    """Yield what went otherwise than planned while a step was carried out."""
+    for entry in entries:
+        if entry.number > step.entry.number:
+            if entry.kind == "plan":
+                return
+            if entry.kind in BEFALLS:
+                yield entry
 
 
 def write_csv(entries: Sequence[Entry], path: Path) -> None:

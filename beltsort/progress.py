@@ -94,6 +94,8 @@ class Progress:
         Commands so far, repeated ones once.
     glances
         Scans since the belt moved, unusable ones included.
+    strays
+        Moves in a row that ended at another viewpoint.
     stopped
         When arm and belt stood still last, seconds on the cell's clock.
     owed
@@ -118,6 +120,7 @@ class Progress:
     steps: int = 0
     commands: int = 0
     glances: int = 0
+    strays: int = 0
     stopped: float = 0.0
     owed: Owed = Owed.CHOICE
     pending: Command | None = None
@@ -172,7 +175,7 @@ class Progress:
         self.run, self.objects = data["run"], data["objects"]
 
     def _resume(self, _data: dict[str, Any]) -> None:
-        self.arrived = False
+        self.arrived, self.strays = False, 0  # somebody has seen to the arm
 
     def _intent(self, data: dict[str, Any]) -> None:
         self.pending = Command(**data["command"])
@@ -206,7 +209,7 @@ class Progress:
         self.owed = Owed.SCAN if looks else Owed.CHOICE
 
     def _scan(self, data: dict[str, Any]) -> None:
-        self.glances += 1
+        self.glances, self.strays = self.glances + 1, 0
         self.belief = Belief(self.model, data["belief"], data["last_labels"])
         dropped = {drop["position"] for drop in data["dropped"]}
         for position, (seen, label) in enumerate(zip(self.visible, data["labels"], strict=True)):
@@ -218,6 +221,10 @@ class Progress:
 
     def _bad_scan(self, _data: dict[str, Any]) -> None:
         self.glances += 1
+
+    def _wrong_viewpoint(self, _data: dict[str, Any]) -> None:
+        self.glances += 1
+        self.arrived, self.strays = False, self.strays + 1
 
     def _decision(self, data: dict[str, Any]) -> None:
         self.steps += 1
@@ -244,7 +251,7 @@ class Progress:
 
     def _snapshot(self, data: dict[str, Any]) -> None:
         for name in _PLAIN:
-            setattr(self, name, data[name])
+            setattr(self, name, data.get(name, getattr(self, name)))  # older files know fewer
         self.belief = Belief(self.model, data["belief"], data["last_labels"])
         self.owed = Owed(data["owed"])
         self.pending = None if data["pending"] is None else Command(**data["pending"])
@@ -253,7 +260,7 @@ class Progress:
 
 _PLAIN = (
     *("run", "objects", "index", "viewpoint", "arrived"),
-    *("steps", "commands", "glances", "stopped", "bin"),
+    *("steps", "commands", "glances", "strays", "stopped", "bin"),
 )
 
 _EFFECTS: dict[str, Callable[[Progress, dict[str, Any]], None]] = {
@@ -263,6 +270,7 @@ _EFFECTS: dict[str, Callable[[Progress, dict[str, Any]], None]] = {
     "outcome": Progress._outcome,
     "scan": Progress._scan,
     "bad_scan": Progress._bad_scan,
+    "wrong_viewpoint": Progress._wrong_viewpoint,
     "decision": Progress._decision,
     "skip": Progress._skip,
     "snapshot": Progress._snapshot,

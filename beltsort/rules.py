@@ -21,6 +21,10 @@ class Rules:
         Unusable scans in a row after which the camera is taken to be broken.
     command_attempts
         Times that one command is sent before the run is held.
+    arrival_angle, arrival_distance
+        A scan taken more than so many degrees or millimetres from the viewpoint's pose, where both poses are
+        known, is of another viewpoint. The arm is sent there once more; then the run is held. More than the
+        errors of arm and taught poses, less than what lies between two viewpoints.
     """
 
     max_looks: int = 60
@@ -28,6 +32,8 @@ class Rules:
     impossible_labels: int = 3
     scan_attempts: int = 3
     command_attempts: int = 3
+    arrival_angle: float = 5.0
+    arrival_distance: float = 50.0
 
 
 @dataclass

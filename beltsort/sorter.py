@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 import beltsort
-from beltsort._core import Decide, Despot, Move, PolicyError, SortingModel
+from beltsort._core import Despot, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
 from beltsort.cell.stopping import stopping
+from beltsort.choosing import Chooser
 from beltsort.commander import Commander, Operator, nobody
 from beltsort.errors import CellError
 from beltsort.journal import Journal
@@ -22,10 +23,6 @@ if TYPE_CHECKING:
     from beltsort.tables import DriftWatch
 
 __all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
-
-
-LATE = 1.2
-"""A plan that took so many times its budget of time is marked in the journal; it is the best one so far."""
 
 
 def sort_objects(
@@ -145,12 +142,11 @@ class _Loop:
         operator: Operator,
         watch: "DriftWatch | None",
     ) -> None:
-        self.cell, self.policy, self.record, self.rules = cell, policy, record, rules
-        self.progress = record.progress
-        self.model = self.progress.model
-        _check_fit(cell, self.model)
+        self.cell, self.record, self.progress = cell, record, record.progress
+        _check_fit(cell, self.progress.model)
         self.commander = Commander(cell, self.progress, record, rules, operator)
-        self.observer = Observer(cell.camera, perceive, self.progress, record, rules, watch)
+        self.observer = Observer(cell, perceive, self.progress, record, rules, watch)
+        self.chooser = Chooser(cell, policy, record, rules, self.commander)
 
     def run(self, kind: str, **data: Any) -> SortingReport:
         """Work until nothing is left, from a first entry on; write down how it ends.
@@ -186,93 +182,7 @@ class _Loop:
         elif progress.owed is Owed.ADVANCE:
             self.commander.issue("advance", progress.index + 1)
         else:
-            self.choose()
-
-    def choose(self) -> None:
-        """Skip an empty place, decide where a rule says so, or do what the policy names."""
-        belt_end, (most_likely, _) = self.progress.visible[0], self.progress.belief.most_likely(0)
-        if self.known_empty():
-            self.skip(decided=False)
-        elif confirming := self.confirmation():
-            self.commander.issue("move", confirming.viewpoint)
-        elif belt_end.looks >= self.rules.max_looks:
-            self.decide(most_likely, forced="max_looks")
-        elif belt_end.impossible >= self.rules.impossible_labels:
-            self.decide(most_likely, forced="impossible_labels")
-        else:
-            self.follow_policy()
-
-    def follow_policy(self) -> None:
-        """Plan, and do it."""
-        match self.plan():
-            case Move(viewpoint):
-                self.commander.issue("move", viewpoint)
-            case Decide(label):
-                self.decide(label)
-
-    def known_empty(self) -> bool:
-        """Whether the rule of `empty_looks` says that the belt end is empty."""
-        reachable = self.model.travel[self.progress.viewpoint]
-        return self.model.empty is None and self.progress.visible[0].known_empty(self.rules, reachable)
-
-    def confirmation(self) -> Move | None:
-        """Return the move that would confirm an empty belt end, to a viewpoint not tried yet if possible."""
-        tried = self.progress.visible[0].empty
-        legal = self.model.travel[self.progress.viewpoint]
-        if self.model.empty is not None or not tried or not legal:
-            return None
-        move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
-        self.record("plan", action=_plain(move), why="the belt end was seen empty: look again")
-        return move
-
-    def plan(self) -> Move | Decide:
-        """Ask the policy."""
-        belief, viewpoint = self.progress.belief, self.progress.viewpoint
-        if not isinstance(self.policy, Despot):
-            action = self.policy.act(belief.copy(), viewpoint)
-            self.check_legal(action)
-            self.record("plan", action=_plain(action))
-            return action
-        plan = self.policy.plan(belief, viewpoint)
-        self.record(
-            "plan",
-            action=_plain(plan.action),
-            values=[{**_plain(action), "value": value} for action, value in plan.values.items()],
-            lower=plan.lower,
-            upper=plan.upper,
-            trials=plan.trials,
-            seconds=plan.seconds,
-            late=plan.seconds > LATE * (self.policy.settings["seconds"] or float("inf")),
-        )
-        return plan.action
-
-    def check_legal(self, action: object) -> None:
-        """Refuse what the model does not allow, before anything moves."""
-        moves = [Move(viewpoint) for viewpoint in self.model.travel[self.progress.viewpoint]]
-        legal = [*moves, *(Decide(label) for label in range(len(self.model.classes)))]
-        if action not in legal:
-            raise PolicyError(
-                f"the policy returned {action!r} at viewpoint {self.progress.viewpoint}; legal are {legal}"
-            )
-
-    def decide(self, label: int, forced: str | None = None) -> None:
-        """Write down where the object at the belt end goes; an empty cup goes nowhere."""
-        rejected = self.cell.reject_bin if forced is not None else None
-        if self.model.classes[label] == self.model.empty and rejected is None:
-            self.skip(decided=True)
-            return
-        self.record(
-            "decision",
-            label=label if rejected is None else None,
-            bin=label if rejected is None else rejected,
-            belief=float(self.progress.belief.probabilities[0, label]),
-            looks=self.progress.visible[0].looks,
-            forced=forced,
-        )
-
-    def skip(self, *, decided: bool) -> None:
-        """Pass over an empty place: nothing to sort."""
-        self.record("skip", viewpoints=self.progress.visible[0].empty, decided=decided)
+            self.chooser.choose()
 
 
 def _state_after(failure: BaseException) -> State:
@@ -290,15 +200,6 @@ def _state_after(failure: BaseException) -> State:
 
 def _settings(policy: Policy) -> dict[str, Any] | None:
     return policy.settings if isinstance(policy, Despot) else None
-
-
-def _plain(action: Move | Decide) -> dict[str, int]:
-    """Return an action as the journal keeps it."""
-    match action:
-        case Move(viewpoint):
-            return {"move": viewpoint}
-        case Decide(label):
-            return {"decide": label}
 
 
 def _check_fit(cell: Cell, model: SortingModel) -> None:

@@ -46,7 +46,8 @@ def deviation(pose: Pose, expected: Pose) -> Deviation:
 
 def viewpoint_poses(cell: Cell) -> Sequence[Pose | None]:
     """Return the camera's pose at each viewpoint, None where the cell does not know it."""
-    return cell.poses if isinstance(cell, KnowsPoses) else [None] * len(cell.viewpoints)
+    known = cell.poses if isinstance(cell, KnowsPoses) else ()
+    return known or [None] * len(cell.viewpoints)
 
 
 def deviation_from(expected: Pose | None, scan: Scan) -> Deviation | None:

@@ -227,6 +227,17 @@ def test_a_held_run_goes_on_when_it_is_resumed(folder: Path, capsys: pytest.Capt
     assert "does not exist" in capsys.readouterr().err
 
 
+def test_an_arm_that_arrives_elsewhere_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fault = '[faults]\nschedule = [{command = "move_to", number = 2, kind = "wrong_arrival"}]\n[planner]'
+    assert main(["run", cell_file(folder, ("[planner]", fault)), "--objects", "1"]) == 0
+    assert "wrong viewpoint: the camera stands at p" in capsys.readouterr().out
+    (run,) = (folder / "runs").iterdir()
+    assert main(["explain", str(run), "--step", "1"]) == 0
+    assert "While it was carried out:\n  object  1  wrong viewpoint: " in capsys.readouterr().out
+    assert main(["explain", str(run), "--step", "1", "--json"]) == 0
+    assert [mishap["kind"] for mishap in result_of(capsys)["befell"]] == ["wrong_viewpoint"]
+
+
 def test_belt_and_sorter_over_opc_ua(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     peer = OpcuaPeer(folder)
     try:
