@@ -32,6 +32,8 @@ class Step:
         What was known then, and where the camera stood.
     planner
         Settings of the planner; None for another policy.
+    alarms
+        Drift alarms that had been raised by then.
     """
 
     number: int
@@ -39,6 +41,7 @@ class Step:
     belief: Belief
     viewpoint: int
     planner: dict[str, Any] | None
+    alarms: int = 0
 
     @property
     def model(self) -> SortingModel:
@@ -105,7 +108,8 @@ def steps_of(entries: Sequence[Entry]) -> Iterator[Step]:
             planner = entry.data.get("planner", planner)
         forced = entry.kind == "decision" and entry.data["forced"] is not None
         if entry.kind == "plan" or forced:
-            yield Step(progress.steps + 1, entry, progress.belief.copy(), progress.viewpoint, planner)
+            known = progress.belief.copy(), progress.viewpoint
+            yield Step(progress.steps + 1, entry, *known, planner, len(progress.drift.alarms))
         progress.apply(entry)
 
 

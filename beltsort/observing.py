@@ -1,7 +1,7 @@
 """Looking: a scan that can be used, what it shows, and what that says about the objects."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from beltsort._core import Belief, ImpossibleObservationError
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
@@ -10,9 +10,6 @@ from beltsort.errors import CellError, CloudError
 from beltsort.progress import Progress
 from beltsort.record import Record
 from beltsort.rules import Rules
-
-if TYPE_CHECKING:
-    from beltsort.tables import DriftWatch
 
 
 class PerceivedPosition(Protocol):
@@ -52,8 +49,6 @@ class Observer:
         Writes an entry and applies it to `progress`.
     rules
         Limits.
-    watch
-        Sees every scan; its alarms are written down.
     """
 
     def __init__(
@@ -63,11 +58,10 @@ class Observer:
         progress: Progress,
         record: Record,
         rules: Rules,
-        watch: "DriftWatch | None" = None,
     ) -> None:
         self._camera, self._poses = cell.camera, viewpoint_poses(cell)
         self._perceive, self._progress, self._record = perceive, progress, record
-        self._rules, self._watch = rules, watch
+        self._rules = rules
         empty = progress.model.empty
         self._empty = None if empty is None else progress.model.classes.index(empty)
 
@@ -93,7 +87,6 @@ class Observer:
         belief, viewpoint = self._progress.belief.copy(), self._progress.viewpoint
         probabilities = belief.label_probabilities(viewpoint)
         labels = [self._label_of(what) for what in perceived]
-        alarms = [] if self._watch is None else self._watch.observe(belief, viewpoint, labels)
         dropped = [
             {"position": position, "label": label, "probability": float(probabilities[position, label])}
             for position, label in enumerate(labels)
@@ -109,8 +102,6 @@ class Observer:
             belief=belief.probabilities.tolist(),
             last_labels=belief.last_labels.tolist(),
         )
-        for alarm in alarms:
-            self._record("drift", **alarm.to_dict())
 
     def _usable(self) -> Sequence[PerceivedPosition] | None:
         """Take a scan that perception can use; return None if the camera stands elsewhere."""

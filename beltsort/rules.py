@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from beltsort._core import ArgumentError
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -34,6 +36,35 @@ class Rules:
     command_attempts: int = 3
     arrival_angle: float = 5.0
     arrival_distance: float = 50.0
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How the loop watches whether labels still come as the tables say.
+
+    Attributes
+    ----------
+    false_alarm
+        Probability, at most, that the watch ever raises an alarm while the model is right: see
+        `beltsort.tables.DriftWatch`.
+    hold
+        Whether an alarm holds the run; otherwise it is told, and the run goes on.
+
+    Raises
+    ------
+    ArgumentError
+        If `false_alarm` is not between 0 and 1.
+    """
+
+    false_alarm: float = 0.01
+    hold: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what is no probability of an alarm."""
+        if not 0.0 < self.false_alarm < 1.0:
+            raise ArgumentError(
+                f"false_alarm is {self.false_alarm}, expected a probability between 0 and 1, such as 0.01"
+            )
 
 
 @dataclass

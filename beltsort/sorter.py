@@ -1,6 +1,7 @@
 """The loop: scan -> perceive -> belief -> plan -> act -> journal."""
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict
+from typing import Any
 from uuid import uuid4
 
 import beltsort
@@ -17,10 +18,7 @@ from beltsort.policy import Policy
 from beltsort.progress import Owed, Progress
 from beltsort.record import Record, progress_in
 from beltsort.report import SortingReport
-from beltsort.rules import Rules
-
-if TYPE_CHECKING:
-    from beltsort.tables import DriftWatch
+from beltsort.rules import Drift, Rules
 
 __all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
 
@@ -35,7 +33,7 @@ def sort_objects(
     objects: int,
     rules: Rules | None = None,
     operator: Operator = nobody,
-    watch: "DriftWatch | None" = None,
+    drift: Drift | None = None,
 ) -> SortingReport:
     """Sort the next objects of the belt, journalling every step.
 
@@ -60,13 +58,14 @@ def sort_objects(
         Limits; default `Rules()`.
     operator
         Asked what became of a command where no device can tell; by default the run ends as held.
-    watch
-        Sees every scan; its alarms are journalled as `drift`, and the run goes on.
+    drift
+        Watch whether labels still come as the tables say; not by default. Alarms are journalled.
 
     Raises
     ------
     CellError
-        If cell and model do not fit, the camera gives no usable scan, or a command cannot be carried out;
+        If cell and model do not fit, the camera gives no usable scan or stands elsewhere, a command cannot be
+        carried out, or the tables no longer hold and `Drift.hold` says so;
         `resume_sorting` goes on once that is mended.
     HeldError
         If a person must tell what became of a command.
@@ -74,7 +73,7 @@ def sort_objects(
         Whatever else the cell, perception or the policy raise.
     """
     record = Record(journal, Progress.at_start(model))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, watch)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift)
     return loop.run(
         "start",
         run=uuid4().hex[:8],
@@ -93,7 +92,7 @@ def resume_sorting(
     *,
     rules: Rules | None = None,
     operator: Operator = nobody,
-    watch: "DriftWatch | None" = None,
+    drift: Drift | None = None,
 ) -> SortingReport:
     """Go on with a run that was broken off, wherever that was.
 
@@ -103,7 +102,7 @@ def resume_sorting(
 
     Parameters
     ----------
-    cell, perceive, policy, rules, operator, watch
+    cell, perceive, policy, rules, operator, drift
         As in `sort_objects`; the same as before, if the decisions are to be the same.
     journal
         The run's journal, opened with ``resume=True``.
@@ -121,7 +120,7 @@ def resume_sorting(
         As `sort_objects`.
     """
     record = Record(journal, progress_in(journal.path))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, watch)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift)
     return loop.run(
         "resume",
         objects=record.progress.objects,
@@ -140,12 +139,12 @@ class _Loop:
         record: Record,
         rules: Rules,
         operator: Operator,
-        watch: "DriftWatch | None",
+        drift: Drift | None,
     ) -> None:
-        self.cell, self.record, self.progress = cell, record, record.progress
+        self.cell, self.record, self.progress, self.drift = cell, record, record.progress, drift
         _check_fit(cell, self.progress.model)
         self.commander = Commander(cell, self.progress, record, rules, operator)
-        self.observer = Observer(cell, perceive, self.progress, record, rules, watch)
+        self.observer = Observer(cell, perceive, self.progress, record, rules)
         self.chooser = Chooser(cell, policy, record, rules, self.commander)
 
     def run(self, kind: str, **data: Any) -> SortingReport:
@@ -155,7 +154,7 @@ class _Loop:
         """
         try:
             with stopping(self.cell):
-                self.record(kind, **data)
+                self.record(kind, **data, drift=None if self.drift is None else asdict(self.drift))
                 self.record("state", state=State.EXECUTE, reason=kind)
                 while not self.progress.done:
                     self.step()
@@ -166,12 +165,16 @@ class _Loop:
         self.record("state", state=State.COMPLETE, reason="all objects have left the belt")
         self.record("end", reason="done")
         progress = self.progress
-        return SortingReport(progress.steps, tuple(progress.decisions), tuple(progress.skipped))
+        return SortingReport(
+            progress.steps, tuple(progress.decisions), tuple(progress.skipped), progress.drift.alarms
+        )
 
     def step(self) -> None:
         """Do what is owed."""
         progress = self.progress
-        if progress.pending is not None:
+        if progress.drift.untold:
+            self.tell_drift()
+        elif progress.pending is not None:
             self.commander.settle(progress.pending)
         elif not progress.arrived:
             self.commander.issue("move", progress.viewpoint, arriving=True)
@@ -183,6 +186,17 @@ class _Loop:
             self.commander.issue("advance", progress.index + 1)
         else:
             self.chooser.choose()
+
+    def tell_drift(self) -> None:
+        """Write down the alarms of the watch over the tables, and hold the run if it is to be held."""
+        for alarm in self.progress.drift.untold:
+            self.record("drift", **alarm.to_dict())
+        if self.drift is not None and self.drift.hold:
+            raise CellError(
+                f"{len(self.progress.drift.alarms)} drift alarms, expected none while drift.hold is on: "
+                "labels no longer come as the tables say; look at camera, classifier and objects, and "
+                "estimate the tables anew, or resume to go on with these"
+            )
 
 
 def _state_after(failure: BaseException) -> State:

@@ -28,7 +28,7 @@ from beltsort.cell.validation import OWN_CHECKS, Section, validated
 from beltsort.errors import ViewpointError
 from beltsort.geometry import BeltLayout
 from beltsort.perception.config import PerceptionConfig
-from beltsort.rules import Rules
+from beltsort.rules import Drift, Rules
 
 VERSION = 1
 
@@ -82,6 +82,8 @@ class CellDescription(Section):
     """The planner's budget and scenarios."""
     rules: Rules = Rules()
     """Limits of the loop."""
+    drift: Annotated[Drift, OWN_CHECKS] | None = None
+    """The watch over the observation tables; none if missing."""
     timeouts: Timeouts = Timeouts()
     """How long each kind of command may take."""
     check: CheckLimits = CheckLimits()

@@ -53,6 +53,7 @@ def as_json(step: Step, depth: int) -> dict[str, object]:
         "belief": step.belief.probabilities.tolist(),
         "action": action_as_json(step.model, step.action),
         "reason": step.reason,
+        "drift_alarms": step.alarms,
         "same_again": None if plan is None else plan.action == step.action,
         "tree": None if plan is None else tree_in_names(step.model, plan.tree(depth)),
     }
@@ -67,6 +68,8 @@ def show(step: Step, depth: int) -> None:
     print(f"Step {step.number}, {step.entry.time[:19].replace('T', ' ')} UTC: {at}. Belief:")
     rows = enumerate(step.belief.probabilities.tolist())
     print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
+    if step.alarms:
+        print(f"\nAfter {step.alarms} drift alarms: belief and values rest on tables that no longer hold.")
     print(f"\nIt was chosen to {action_in_words(model, step.action)}.")
     if step.reason is not None:
         print(f"A rule chose: {step.reason}.")

@@ -90,6 +90,7 @@ WRONG = [
     (OBJECTS, '\nmodel = "m"\n', "model: is 'm', but there is .prepare., which makes one"),
     ("[prepare]\ntraining_objects = 40\ntable_objects = 100", 'model = "m"', "^classifier: is missing"),
     (OBJECTS, "\nperception = {voxel = 0}\n", "perception: voxel is 0.*, expected above 0"),
+    ("[planner]", "[drift]\nfalse_alarm = 2\n[planner]", "drift: false_alarm is 2.*, expected a probability"),
     ("[planner]", "[faults.rates]\nnot_don = 0.1\n[planner]", "faults.rates.not_don.*'not_done', 'lost_ack"),
     ("[planner]", "[faults.rates]\nlate = 1.5\n[planner]", "faults.rates.late: is 1.5, expected less"),
     ("[backends.simulated]", "[backends.simulatd]", "backends.simulatd: has options, but drives no de"),
