@@ -8,6 +8,7 @@ The rules that every device keeps, so that nothing is lost or done twice:
   what became of it, also after the connection or this program was restarted.
 * Targets are absolute: "object n at the belt end", never "one step further".
 * A scan is younger than the stop of everything that moves.
+* Poses are in the robot's world; a cell that is composed of devices brings them into the belt's frame.
 * A device whose controller was restarted has another `boot_id`: what it no longer remembers is unknown, not
   undone.
 

@@ -102,6 +102,16 @@ def test_where_belt_and_camera_are_changes_no_label(
         assert None not in labels
 
 
+def test_a_simulated_cell_stands_where_its_file_says(tmp_path: Path) -> None:
+    table = f"positions = 2\nworld_from_belt = {rows(WORLD_FROM_BELT)}"
+    made: list[SimulatedCell] = []
+    cell = composed(tmp_path, ("positions = 2", table), made=made.append)
+    viewpoint = CellConfig().viewpoints[0].pose()
+    told, known = made[0].scan(not_before=0.0), cell.camera.scan(not_before=0.0)
+    np.testing.assert_allclose(told.world_from_camera, WORLD_FROM_BELT @ viewpoint, atol=1e-12)
+    np.testing.assert_allclose(known.world_from_camera, viewpoint, atol=1e-12)
+
+
 def test_without_a_hand_eye_transform_the_viewpoint_is_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

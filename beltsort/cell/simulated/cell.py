@@ -164,7 +164,7 @@ class SimulatedCell:
 
     def flange_pose(self, **_timeout: float) -> Pose | None:
         """Return the flange's pose in the robot's world, shape (4, 4); None without a hand-eye transform."""
-        return self._placement.of_flange(self.poses[self._viewpoint])
+        return self._placement.of_flange(self._pose())
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         """Return a scan whose exposure began at or after `not_before` (seconds on the cell's clock)."""
@@ -175,9 +175,13 @@ class SimulatedCell:
         rng = generator(self._seed, SCAN_STREAM, self._world.first, self._looks)
         self._looks += 1
         self.clock += self._config.scan_seconds
-        reported = self.poses[self._viewpoint]
+        reported = self._pose()
         points = self._measured(self._config.arm.true_pose(reported, rng), rng)
         return Scan(points, self._placement.in_world(reported), stamp)
+
+    def _pose(self) -> Pose:
+        """Return the camera's pose in the belt's frame as the arm reports it, shape (4, 4)."""
+        return self._config.viewpoints[self._viewpoint].pose()
 
     def _measured(self, world_from_camera: Pose, rng: np.random.Generator) -> Points:
         """Return the organised points of one scan, camera frame, shape (height, width, 3)."""
