@@ -13,6 +13,8 @@ from beltsort.journal import Entry, read_journal
 from beltsort.progress import Progress, model_of
 
 JOURNAL = "journal.sqlite"
+BEFALLS = ("bad_scan", "wrong_viewpoint", "drift")
+"""Entries that tell of what went otherwise than planned."""
 COLUMNS = ("number", "time", "kind", "object", "data")
 
 
@@ -30,6 +32,8 @@ class Step:
         What was known then, and where the camera stood.
     planner
         Settings of the planner; None for another policy.
+    alarms
+        Drift alarms that had been raised by then.
     """
 
     number: int
@@ -37,6 +41,7 @@ class Step:
     belief: Belief
     viewpoint: int
     planner: dict[str, Any] | None
+    alarms: int = 0
 
     @property
     def model(self) -> SortingModel:
@@ -103,7 +108,8 @@ def steps_of(entries: Sequence[Entry]) -> Iterator[Step]:
             planner = entry.data.get("planner", planner)
         forced = entry.kind == "decision" and entry.data["forced"] is not None
         if entry.kind == "plan" or forced:
-            yield Step(progress.steps + 1, entry, progress.belief.copy(), progress.viewpoint, planner)
+            known = progress.belief.copy(), progress.viewpoint
+            yield Step(progress.steps + 1, entry, *known, planner, len(progress.drift.alarms))
         progress.apply(entry)
 
 
@@ -124,6 +130,16 @@ def step_of(entries: Sequence[Entry], number: int) -> Step:
         known = "of no step" if first is None else f"of steps {first} to {last}"
         raise JournalError(f"there is no step {number}; the journal tells {known}")
     return found
+
+
+def befell(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:
+    """Yield what went otherwise than planned while a step was carried out."""
+    for entry in entries:
+        if entry.number > step.entry.number:
+            if entry.kind == "plan":
+                return
+            if entry.kind in BEFALLS:
+                yield entry
 
 
 def write_csv(entries: Sequence[Entry], path: Path) -> None:

@@ -72,7 +72,10 @@ class CellRun:
         if self.broken_off is not None:
             with Journal(self.folder / JOURNAL, listener, resume=True) as journal:
                 return resume_sorting(
-                    self.cell, perception, planner, journal, rules=description.rules, operator=operator
+                    *(self.cell, perception, planner, journal),
+                    rules=description.rules,
+                    operator=operator,
+                    drift=description.drift,
                 )
         for belt in self.homing:
             belt.home(0)
@@ -85,6 +88,7 @@ class CellRun:
             objects=description.objects,
             rules=description.rules,
             operator=operator,
+            drift=description.drift,
             listener=listener,
         )
 
@@ -173,6 +177,7 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
         "steps": report.steps,
         "decisions": [plain_decision(decision, run.model.classes) for decision in report.decisions],
         "skipped": list(report.skipped),
+        "drift": [alarm.to_dict() for alarm in report.drift],
         "dry_run": list(run.cell.rehearsed),
         "folder": str(run.folder),
     }

@@ -6,6 +6,8 @@
 | its fate is unknown | the device is asked; a move or an advance, whose targets are absolute, is repeated |
 | a sort's fate is unknown, and the device cannot tell | the run is held: a person must look |
 | all attempts failed | the run is held |
+| a scan tells that the camera stands elsewhere | it is sent there once more, under a new id (`observing`) |
+| it tells so again | the run is held |
 | the emergency stop is pressed | the run is aborted |
 """
 

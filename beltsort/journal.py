@@ -43,8 +43,8 @@ class Entry:
     time
         UTC, ISO 8601.
     kind
-        `start`, `state`, `plan`, `intent`, `outcome`, `scan`, `bad_scan`, `drift`, `decision`, `skip`,
-        `resume`, `snapshot` or `end`.
+        `start`, `state`, `plan`, `intent`, `outcome`, `scan`, `bad_scan`, `wrong_viewpoint`, `drift`,
+        `decision`, `skip`, `resume`, `snapshot` or `end`.
     object
         Number of the object at the belt end; None before the first.
     data

@@ -10,6 +10,7 @@ from enum import Enum
 from typing import Any
 
 from beltsort._core import Belief, SortingModel
+from beltsort.drift_state import DriftState
 from beltsort.errors import JournalError
 from beltsort.journal import Entry
 from beltsort.report import Decision
@@ -94,6 +95,8 @@ class Progress:
         Commands so far, repeated ones once.
     glances
         Scans since the belt moved, unusable ones included.
+    strays
+        Moves in a row that ended at another viewpoint.
     stopped
         When arm and belt stood still last, seconds on the cell's clock.
     owed
@@ -104,6 +107,8 @@ class Progress:
         Where the object at the belt end is to be sorted, from the decision until it is done.
     visible
         What is known of each visible object besides the belief.
+    drift
+        What the watch over the tables has come to.
     decisions, skipped
         What the report will say.
     """
@@ -118,11 +123,13 @@ class Progress:
     steps: int = 0
     commands: int = 0
     glances: int = 0
+    strays: int = 0
     stopped: float = 0.0
     owed: Owed = Owed.CHOICE
     pending: Command | None = None
     bin: int | None = None
     visible: list[Seen] = field(default_factory=list)
+    drift: DriftState = field(default_factory=DriftState)
     decisions: list[Decision] = field(default_factory=list)
     skipped: list[int] = field(default_factory=list)
 
@@ -170,9 +177,11 @@ class Progress:
 
     def _start(self, data: dict[str, Any]) -> None:
         self.run, self.objects = data["run"], data["objects"]
+        self.drift.begin(self.model, data.get("drift"))
 
-    def _resume(self, _data: dict[str, Any]) -> None:
-        self.arrived = False
+    def _resume(self, data: dict[str, Any]) -> None:
+        self.drift.begin(self.model, data.get("drift"))
+        self.arrived, self.strays = False, 0  # somebody has seen to the arm
 
     def _intent(self, data: dict[str, Any]) -> None:
         self.pending = Command(**data["command"])
@@ -206,7 +215,8 @@ class Progress:
         self.owed = Owed.SCAN if looks else Owed.CHOICE
 
     def _scan(self, data: dict[str, Any]) -> None:
-        self.glances += 1
+        self.glances, self.strays = self.glances + 1, 0
+        self.drift.see(self.belief, data["viewpoint"], data["labels"])
         self.belief = Belief(self.model, data["belief"], data["last_labels"])
         dropped = {drop["position"] for drop in data["dropped"]}
         for position, (seen, label) in enumerate(zip(self.visible, data["labels"], strict=True)):
@@ -218,6 +228,13 @@ class Progress:
 
     def _bad_scan(self, _data: dict[str, Any]) -> None:
         self.glances += 1
+
+    def _wrong_viewpoint(self, _data: dict[str, Any]) -> None:
+        self.glances += 1
+        self.arrived, self.strays = False, self.strays + 1
+
+    def _drift(self, _data: dict[str, Any]) -> None:
+        self.drift.told += 1
 
     def _decision(self, data: dict[str, Any]) -> None:
         self.steps += 1
@@ -240,20 +257,23 @@ class Progress:
             "owed": self.owed.value,
             "pending": None if self.pending is None else asdict(self.pending),
             "visible": [asdict(seen) for seen in self.visible],
+            "drift": self.drift.snapshot(),
         }
 
     def _snapshot(self, data: dict[str, Any]) -> None:
         for name in _PLAIN:
-            setattr(self, name, data[name])
+            setattr(self, name, data.get(name, getattr(self, name)))  # older files know fewer
         self.belief = Belief(self.model, data["belief"], data["last_labels"])
         self.owed = Owed(data["owed"])
         self.pending = None if data["pending"] is None else Command(**data["pending"])
         self.visible = [Seen(**seen) for seen in data["visible"]]
+        if "drift" in data:
+            self.drift = DriftState.of_snapshot(self.model, data["drift"])
 
 
 _PLAIN = (
     *("run", "objects", "index", "viewpoint", "arrived"),
-    *("steps", "commands", "glances", "stopped", "bin"),
+    *("steps", "commands", "glances", "strays", "stopped", "bin"),
 )
 
 _EFFECTS: dict[str, Callable[[Progress, dict[str, Any]], None]] = {
@@ -263,6 +283,8 @@ _EFFECTS: dict[str, Callable[[Progress, dict[str, Any]], None]] = {
     "outcome": Progress._outcome,
     "scan": Progress._scan,
     "bad_scan": Progress._bad_scan,
+    "wrong_viewpoint": Progress._wrong_viewpoint,
+    "drift": Progress._drift,
     "decision": Progress._decision,
     "skip": Progress._skip,
     "snapshot": Progress._snapshot,

@@ -1,6 +1,10 @@
 """What a run reports."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from beltsort.tables import Alarm
 
 
 @dataclass(frozen=True)
@@ -40,8 +44,11 @@ class SortingReport:
         One per object sorted, in order.
     skipped
         Numbers of the belt places found empty.
+    drift
+        Alarms of the watch over the tables, if there was one.
     """
 
     steps: int
     decisions: tuple[Decision, ...]
     skipped: tuple[int, ...]
+    drift: "tuple[Alarm, ...]" = ()

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from beltsort._core import ArgumentError
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -21,6 +23,10 @@ class Rules:
         Unusable scans in a row after which the camera is taken to be broken.
     command_attempts
         Times that one command is sent before the run is held.
+    arrival_angle, arrival_distance
+        A scan taken more than so many degrees or millimetres from the viewpoint's pose, where both poses are
+        known, is of another viewpoint. The arm is sent there once more; then the run is held. More than the
+        errors of arm and taught poses, less than what lies between two viewpoints.
     """
 
     max_looks: int = 60
@@ -28,6 +34,37 @@ class Rules:
     impossible_labels: int = 3
     scan_attempts: int = 3
     command_attempts: int = 3
+    arrival_angle: float = 5.0
+    arrival_distance: float = 50.0
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How the loop watches whether labels still come as the tables say.
+
+    Attributes
+    ----------
+    false_alarm
+        Probability, at most, that the watch ever raises an alarm while the model is right: see
+        `beltsort.tables.DriftWatch`.
+    hold
+        Whether an alarm holds the run; otherwise it is told, and the run goes on.
+
+    Raises
+    ------
+    ArgumentError
+        If `false_alarm` is not between 0 and 1.
+    """
+
+    false_alarm: float = 0.01
+    hold: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what is no probability of an alarm."""
+        if not 0.0 < self.false_alarm < 1.0:
+            raise ArgumentError(
+                f"false_alarm is {self.false_alarm}, expected a probability between 0 and 1, such as 0.01"
+            )
 
 
 @dataclass

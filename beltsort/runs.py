@@ -14,7 +14,7 @@ from beltsort.errors import JournalError
 from beltsort.journal import Journal, Listener
 from beltsort.policy import Policy
 from beltsort.report import Decision, SortingReport
-from beltsort.rules import Rules
+from beltsort.rules import Drift, Rules
 from beltsort.sorter import Perceive, sort_objects
 
 JOURNAL, MODEL, CALLS = "journal.sqlite", "model.json", "calls.jsonl"
@@ -52,6 +52,7 @@ def sort_into(
     objects: int,
     rules: Rules | None = None,
     operator: Operator = nobody,
+    drift: Drift | None = None,
     listener: Listener | None = None,
 ) -> SortingReport:
     """Sort the next objects of the belt; model and journal are kept in an existing folder.
@@ -62,7 +63,11 @@ def sort_into(
     model.save(folder / MODEL)
     with Journal(folder / JOURNAL, listener) as journal:
         return sort_objects(
-            cell, perceive, policy, model, journal, objects=objects, rules=rules, operator=operator
+            *(cell, perceive, policy, model, journal),
+            objects=objects,
+            rules=rules,
+            operator=operator,
+            drift=drift,
         )
 
 

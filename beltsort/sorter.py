@@ -1,12 +1,14 @@
 """The loop: scan -> perceive -> belief -> plan -> act -> journal."""
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict
+from typing import Any
 from uuid import uuid4
 
 import beltsort
-from beltsort._core import Decide, Despot, Move, PolicyError, SortingModel
+from beltsort._core import Despot, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
 from beltsort.cell.stopping import stopping
+from beltsort.choosing import Chooser
 from beltsort.commander import Commander, Operator, nobody
 from beltsort.errors import CellError
 from beltsort.journal import Journal
@@ -16,16 +18,9 @@ from beltsort.policy import Policy
 from beltsort.progress import Owed, Progress
 from beltsort.record import Record, progress_in
 from beltsort.report import SortingReport
-from beltsort.rules import Rules
-
-if TYPE_CHECKING:
-    from beltsort.tables import DriftWatch
+from beltsort.rules import Drift, Rules
 
 __all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
-
-
-LATE = 1.2
-"""A plan that took so many times its budget of time is marked in the journal; it is the best one so far."""
 
 
 def sort_objects(
@@ -38,7 +33,7 @@ def sort_objects(
     objects: int,
     rules: Rules | None = None,
     operator: Operator = nobody,
-    watch: "DriftWatch | None" = None,
+    drift: Drift | None = None,
 ) -> SortingReport:
     """Sort the next objects of the belt, journalling every step.
 
@@ -63,13 +58,14 @@ def sort_objects(
         Limits; default `Rules()`.
     operator
         Asked what became of a command where no device can tell; by default the run ends as held.
-    watch
-        Sees every scan; its alarms are journalled as `drift`, and the run goes on.
+    drift
+        Watch whether labels still come as the tables say; not by default. Alarms are journalled.
 
     Raises
     ------
     CellError
-        If cell and model do not fit, the camera gives no usable scan, or a command cannot be carried out;
+        If cell and model do not fit, the camera gives no usable scan or stands elsewhere, a command cannot be
+        carried out, or the tables no longer hold and `Drift.hold` says so;
         `resume_sorting` goes on once that is mended.
     HeldError
         If a person must tell what became of a command.
@@ -77,7 +73,7 @@ def sort_objects(
         Whatever else the cell, perception or the policy raise.
     """
     record = Record(journal, Progress.at_start(model))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, watch)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift)
     return loop.run(
         "start",
         run=uuid4().hex[:8],
@@ -96,7 +92,7 @@ def resume_sorting(
     *,
     rules: Rules | None = None,
     operator: Operator = nobody,
-    watch: "DriftWatch | None" = None,
+    drift: Drift | None = None,
 ) -> SortingReport:
     """Go on with a run that was broken off, wherever that was.
 
@@ -106,7 +102,7 @@ def resume_sorting(
 
     Parameters
     ----------
-    cell, perceive, policy, rules, operator, watch
+    cell, perceive, policy, rules, operator, drift
         As in `sort_objects`; the same as before, if the decisions are to be the same.
     journal
         The run's journal, opened with ``resume=True``.
@@ -124,7 +120,7 @@ def resume_sorting(
         As `sort_objects`.
     """
     record = Record(journal, progress_in(journal.path))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, watch)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift)
     return loop.run(
         "resume",
         objects=record.progress.objects,
@@ -143,14 +139,13 @@ class _Loop:
         record: Record,
         rules: Rules,
         operator: Operator,
-        watch: "DriftWatch | None",
+        drift: Drift | None,
     ) -> None:
-        self.cell, self.policy, self.record, self.rules = cell, policy, record, rules
-        self.progress = record.progress
-        self.model = self.progress.model
-        _check_fit(cell, self.model)
+        self.cell, self.record, self.progress, self.drift = cell, record, record.progress, drift
+        _check_fit(cell, self.progress.model)
         self.commander = Commander(cell, self.progress, record, rules, operator)
-        self.observer = Observer(cell.camera, perceive, self.progress, record, rules, watch)
+        self.observer = Observer(cell, perceive, self.progress, record, rules)
+        self.chooser = Chooser(cell, policy, record, rules, self.commander)
 
     def run(self, kind: str, **data: Any) -> SortingReport:
         """Work until nothing is left, from a first entry on; write down how it ends.
@@ -159,7 +154,7 @@ class _Loop:
         """
         try:
             with stopping(self.cell):
-                self.record(kind, **data)
+                self.record(kind, **data, drift=None if self.drift is None else asdict(self.drift))
                 self.record("state", state=State.EXECUTE, reason=kind)
                 while not self.progress.done:
                     self.step()
@@ -170,12 +165,16 @@ class _Loop:
         self.record("state", state=State.COMPLETE, reason="all objects have left the belt")
         self.record("end", reason="done")
         progress = self.progress
-        return SortingReport(progress.steps, tuple(progress.decisions), tuple(progress.skipped))
+        return SortingReport(
+            progress.steps, tuple(progress.decisions), tuple(progress.skipped), progress.drift.alarms
+        )
 
     def step(self) -> None:
         """Do what is owed."""
         progress = self.progress
-        if progress.pending is not None:
+        if progress.drift.untold:
+            self.tell_drift()
+        elif progress.pending is not None:
             self.commander.settle(progress.pending)
         elif not progress.arrived:
             self.commander.issue("move", progress.viewpoint, arriving=True)
@@ -186,93 +185,18 @@ class _Loop:
         elif progress.owed is Owed.ADVANCE:
             self.commander.issue("advance", progress.index + 1)
         else:
-            self.choose()
+            self.chooser.choose()
 
-    def choose(self) -> None:
-        """Skip an empty place, decide where a rule says so, or do what the policy names."""
-        belt_end, (most_likely, _) = self.progress.visible[0], self.progress.belief.most_likely(0)
-        if self.known_empty():
-            self.skip(decided=False)
-        elif confirming := self.confirmation():
-            self.commander.issue("move", confirming.viewpoint)
-        elif belt_end.looks >= self.rules.max_looks:
-            self.decide(most_likely, forced="max_looks")
-        elif belt_end.impossible >= self.rules.impossible_labels:
-            self.decide(most_likely, forced="impossible_labels")
-        else:
-            self.follow_policy()
-
-    def follow_policy(self) -> None:
-        """Plan, and do it."""
-        match self.plan():
-            case Move(viewpoint):
-                self.commander.issue("move", viewpoint)
-            case Decide(label):
-                self.decide(label)
-
-    def known_empty(self) -> bool:
-        """Whether the rule of `empty_looks` says that the belt end is empty."""
-        reachable = self.model.travel[self.progress.viewpoint]
-        return self.model.empty is None and self.progress.visible[0].known_empty(self.rules, reachable)
-
-    def confirmation(self) -> Move | None:
-        """Return the move that would confirm an empty belt end, to a viewpoint not tried yet if possible."""
-        tried = self.progress.visible[0].empty
-        legal = self.model.travel[self.progress.viewpoint]
-        if self.model.empty is not None or not tried or not legal:
-            return None
-        move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
-        self.record("plan", action=_plain(move), why="the belt end was seen empty: look again")
-        return move
-
-    def plan(self) -> Move | Decide:
-        """Ask the policy."""
-        belief, viewpoint = self.progress.belief, self.progress.viewpoint
-        if not isinstance(self.policy, Despot):
-            action = self.policy.act(belief.copy(), viewpoint)
-            self.check_legal(action)
-            self.record("plan", action=_plain(action))
-            return action
-        plan = self.policy.plan(belief, viewpoint)
-        self.record(
-            "plan",
-            action=_plain(plan.action),
-            values=[{**_plain(action), "value": value} for action, value in plan.values.items()],
-            lower=plan.lower,
-            upper=plan.upper,
-            trials=plan.trials,
-            seconds=plan.seconds,
-            late=plan.seconds > LATE * (self.policy.settings["seconds"] or float("inf")),
-        )
-        return plan.action
-
-    def check_legal(self, action: object) -> None:
-        """Refuse what the model does not allow, before anything moves."""
-        moves = [Move(viewpoint) for viewpoint in self.model.travel[self.progress.viewpoint]]
-        legal = [*moves, *(Decide(label) for label in range(len(self.model.classes)))]
-        if action not in legal:
-            raise PolicyError(
-                f"the policy returned {action!r} at viewpoint {self.progress.viewpoint}; legal are {legal}"
+    def tell_drift(self) -> None:
+        """Write down the alarms of the watch over the tables, and hold the run if it is to be held."""
+        for alarm in self.progress.drift.untold:
+            self.record("drift", **alarm.to_dict())
+        if self.drift is not None and self.drift.hold:
+            raise CellError(
+                f"{len(self.progress.drift.alarms)} drift alarms, expected none while drift.hold is on: "
+                "labels no longer come as the tables say; look at camera, classifier and objects, and "
+                "estimate the tables anew, or resume to go on with these"
             )
-
-    def decide(self, label: int, forced: str | None = None) -> None:
-        """Write down where the object at the belt end goes; an empty cup goes nowhere."""
-        rejected = self.cell.reject_bin if forced is not None else None
-        if self.model.classes[label] == self.model.empty and rejected is None:
-            self.skip(decided=True)
-            return
-        self.record(
-            "decision",
-            label=label if rejected is None else None,
-            bin=label if rejected is None else rejected,
-            belief=float(self.progress.belief.probabilities[0, label]),
-            looks=self.progress.visible[0].looks,
-            forced=forced,
-        )
-
-    def skip(self, *, decided: bool) -> None:
-        """Pass over an empty place: nothing to sort."""
-        self.record("skip", viewpoints=self.progress.visible[0].empty, decided=decided)
 
 
 def _state_after(failure: BaseException) -> State:
@@ -290,15 +214,6 @@ def _state_after(failure: BaseException) -> State:
 
 def _settings(policy: Policy) -> dict[str, Any] | None:
     return policy.settings if isinstance(policy, Despot) else None
-
-
-def _plain(action: Move | Decide) -> dict[str, int]:
-    """Return an action as the journal keeps it."""
-    match action:
-        case Move(viewpoint):
-            return {"move": viewpoint}
-        case Decide(label):
-            return {"decide": label}
 
 
 def _check_fit(cell: Cell, model: SortingModel) -> None:

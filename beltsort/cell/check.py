@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
+from beltsort.cell.arrival import Deviation, deviation_from, viewpoint_poses
 from beltsort.cell.commands import CommandError
 from beltsort.cell.frames import from_matrix
 from beltsort.cell.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops
@@ -22,6 +23,8 @@ class View:
     ----------
     viewpoint
         Its name.
+    pose
+        How far the camera stood from the viewpoint's pose; None where one of them is not known.
     belt
         Where the belt was seen.
     crops
@@ -29,6 +32,7 @@ class View:
     """
 
     viewpoint: str
+    pose: Deviation | None
     belt: SeenBelt
     crops: tuple[SeenCrop, ...]
 
@@ -87,11 +91,13 @@ def ask_health(cell: Cell, found: CellCheck) -> None:
 
 def _visits(cell: Cell) -> Iterator[View]:
     now = datetime.now(UTC).isoformat()  # ids are unique for a device, so for all checks
+    poses = viewpoint_poses(cell)
     for viewpoint, name in enumerate(cell.viewpoints):
         stop = cell.arm.move_to(viewpoint, f"check-{now}-{viewpoint}")
         scan = cell.camera.scan(not_before=stop)
         _check_pose(scan)
-        yield View(name, seen_belt(scan), seen_crops(scan, cell.layout))
+        off = deviation_from(poses[viewpoint], scan)
+        yield View(name, off, seen_belt(scan), seen_crops(scan, cell.layout))
 
 
 def _check_pose(scan: Scan) -> None:
@@ -103,7 +109,13 @@ def _check_pose(scan: Scan) -> None:
 
 def _beyond(view: View, limits: CheckLimits) -> Iterator[str]:
     """Yield what a view has beyond the limits; each names the key of the limit."""
-    belt = view.belt
+    belt, off = view.belt, view.pose
+    if off is not None and off.exceeds(limits.pose_angle, limits.pose_distance):
+        yield (
+            f"{view.viewpoint}: the camera stands {off.angle:.2f} degrees and {off.distance:.1f} mm off, "
+            f"expected at most {limits.pose_angle:g} (check.pose_angle) and {limits.pose_distance:g} "
+            "(check.pose_distance): correct the hand-eye transform, the belt's frame or the viewpoint's pose"
+        )
     if belt.points < limits.belt_points:
         yield (
             f"{view.viewpoint}: {belt.points} points lie on the belt, expected at least {limits.belt_points} "

@@ -10,13 +10,13 @@ from beltsort.cell.problems import CellFileError, raise_all
 from beltsort.cell.protocols import Arm, Belt, DepthCamera, FollowsBelt, Sorter
 from beltsort.cell.registry import ROLES, Backend, backend
 from beltsort.cell.wrappers.bins import Bins
+from beltsort.cell.wrappers.camera_poses import CameraPoses
 from beltsort.cell.wrappers.deadlines import Deadlines
 from beltsort.cell.wrappers.dry_run import DryRun, Say
 from beltsort.cell.wrappers.faults import Faults
 from beltsort.cell.wrappers.follow import Follow
 from beltsort.cell.wrappers.limits import Limits
 from beltsort.cell.wrappers.recorder import Recorded, Recorder
-from beltsort.cell.wrappers.taught_poses import TaughtPoses
 from beltsort.cell.wrappers.wrapped import (
     Around,
     WrappedArm,
@@ -25,7 +25,7 @@ from beltsort.cell.wrappers.wrapped import (
     WrappedSorter,
     chained,
 )
-from beltsort.geometry import BeltLayout
+from beltsort.geometry import BeltLayout, Pose
 
 WRAPPED = {"arm": WrappedArm, "camera": WrappedCamera, "belt": WrappedBelt, "sorter": WrappedSorter}
 MOVERS = ("arm", "belt", "sorter")
@@ -43,6 +43,9 @@ class ComposedCell:
         As in `Cell`; the label of the reject bin is the one behind the classes'.
     rehearsed
         Names of the devices that only say what they would do.
+    poses
+        The camera's pose at each viewpoint in the belt's frame, shape (4, 4); None where only joint angles
+        were taught, or the arm does not move at all.
     """
 
     arm: Arm
@@ -54,6 +57,7 @@ class ComposedCell:
     layout: BeltLayout
     reject_bin: int | None
     rehearsed: tuple[str, ...] = ()
+    poses: tuple[Pose | None, ...] = ()
 
 
 def compose(
@@ -66,9 +70,9 @@ def compose(
 ) -> ComposedCell:
     """Make the devices that a cell file names.
 
-    Around each device, from the outside: what makes no sense is refused (`Limits`), scans without a pose get
-    the taught one, calls are recorded, and commands only said unless `live`; then faults on purpose,
-    deadlines, and the sorter's numbers of its bins.
+    Around each device, from the outside: what makes no sense is refused (`Limits`), scans get the camera's
+    pose in the belt's frame (`CameraPoses`), calls are recorded, and commands only said unless `live`; then
+    faults on purpose, deadlines, and the sorter's numbers of its bins.
 
     Parameters
     ----------
@@ -93,15 +97,18 @@ def compose(
     maker = _Maker(description, made)
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
     rehearsed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
-    outside, inside = _outside(description), _inside(description)
+    stands = "arm" in rehearsed or kinds["arm"].absent
     camera = devices["camera"]
     follows = isinstance(camera, FollowsBelt) and camera is not devices["belt"]
+    inside = _inside(description)
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
         dry_run = [DryRun(say)] if role in rehearsed else []
+        devices[role] = WRAPPED[role](devices[role], chained([*recorder, *dry_run, *inside]))
+    outside = _outside(description, devices["arm"])
+    for role in ROLES:
         follow = [Follow(camera)] if follows and role == "belt" else []
-        around = chained([*follow, *outside, *recorder, *dry_run, *inside])
-        devices[role] = WRAPPED[role](devices[role], around)
+        devices[role] = WRAPPED[role](devices[role], chained([*follow, *outside]))
     return ComposedCell(
         **devices,
         classes=description.classes,
@@ -109,6 +116,7 @@ def compose(
         layout=description.layout,
         reject_bin=None if description.reject_bin is None else len(description.classes),
         rehearsed=rehearsed,
+        poses=tuple(None if stands else viewpoint.pose() for viewpoint in description.viewpoints),
     )
 
 
@@ -152,16 +160,18 @@ def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
     return made
 
 
-def _outside(description: CellDescription) -> list[Around]:
+def _outside(description: CellDescription, arm: WrappedArm) -> list[Around]:
     names, poses = description.viewpoint_names, [viewpoint.pose() for viewpoint in description.viewpoints]
     labels = [*description.classes, "the reject bin"][: len(description.bin_numbers)]
-    return [Limits(names, labels), TaughtPoses(names, poses)]
+    camera_poses = CameraPoses(names, poses, description.placement, arm.flange_pose)
+    return [Limits(names, labels), camera_poses]
 
 
 def _inside(description: CellDescription) -> list[Around]:
     timeouts = description.timeouts
     seconds = {
-        "move_to": timeouts.move, "scan": timeouts.scan, "sort": timeouts.sort, "advance_to": timeouts.advance
+        "move_to": timeouts.move, "scan": timeouts.scan, "sort": timeouts.sort,
+        "advance_to": timeouts.advance, "flange_pose": timeouts.scan,
     }  # fmt: skip
     faults: list[Around] = []
     if description.faults is not None:

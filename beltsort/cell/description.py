@@ -6,10 +6,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr
 
 from beltsort.cell.consistency import contradictions
+from beltsort.cell.placement import Placement
 from beltsort.cell.problems import CellFileError
 from beltsort.cell.sections import (
     ArmSection,
@@ -26,9 +26,9 @@ from beltsort.cell.sections import (
 )
 from beltsort.cell.validation import OWN_CHECKS, Section, validated
 from beltsort.errors import ViewpointError
-from beltsort.geometry import BeltLayout, Pose
+from beltsort.geometry import BeltLayout
 from beltsort.perception.config import PerceptionConfig
-from beltsort.rules import Rules
+from beltsort.rules import Drift, Rules
 
 VERSION = 1
 
@@ -36,8 +36,8 @@ VERSION = 1
 class CellDescription(Section):
     """A robot cell, as its file describes it.
 
-    The world of a cell is its belt's frame (`beltsort.geometry`); `world_from_belt` says where that lies in
-    the robot's world, for drivers that are told or tell poses in the latter.
+    The world of a cell is its belt's frame (`beltsort.geometry`); drivers tell and are told poses in the
+    robot's world, and `placement` leads from one to the other.
 
     Examples
     --------
@@ -82,6 +82,8 @@ class CellDescription(Section):
     """The planner's budget and scenarios."""
     rules: Rules = Rules()
     """Limits of the loop."""
+    drift: Annotated[Drift, OWN_CHECKS] | None = None
+    """The watch over the observation tables; none if missing."""
     timeouts: Timeouts = Timeouts()
     """How long each kind of command may take."""
     check: CheckLimits = CheckLimits()
@@ -125,9 +127,10 @@ class CellDescription(Section):
         )
 
     @property
-    def world_from_belt(self) -> Pose:
-        """Where the belt's frame lies in the robot's world, shape (4, 4)."""
-        return np.eye(4) if self.belt.world_from_belt is None else self.belt.world_from_belt.pose()
+    def placement(self) -> Placement:
+        """Where the belt lies in the robot's world, and the camera on its flange."""
+        belt, hand_eye = self.belt.world_from_belt, self.camera.flange_from_camera
+        return Placement(None if belt is None else belt.pose(), None if hand_eye is None else hand_eye.pose())
 
     def device(self, role: str) -> DeviceSection:
         """Return the table of `arm`, `camera`, `belt` or `sorter`."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from beltsort.cell.description import CellDescription
+from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
 from beltsort.cell.registry import Backend, backend_of
 from beltsort.cell.simulated.sensor import Camera
@@ -44,12 +45,14 @@ class EmptyBeltCamera(Absent):
 
     Parameters
     ----------
-    world_from_camera
+    belt_from_camera
         Where it stands, whatever the arm does, shape (4, 4).
+    placement
+        Of the belt.
     """
 
-    def __init__(self, world_from_camera: Pose) -> None:
-        self._pose = world_from_camera
+    def __init__(self, belt_from_camera: Pose, placement: Placement | None = None) -> None:
+        self._pose, self._placement = belt_from_camera, placement or Placement()
 
     def scan(self, *, not_before: float, **_timeout: float) -> Scan:
         """Return a scan of the belt's plane."""
@@ -57,16 +60,18 @@ class EmptyBeltCamera(Absent):
         with np.errstate(divide="ignore"):
             depth = -self._pose[2, 3] / rays[..., 2]
         depth[(depth <= 0.0) | (depth > 5.0)] = np.nan
-        return Scan(PINHOLE.deproject(depth), self._pose, stamp=not_before)
+        return Scan(PINHOLE.deproject(depth), self._placement.in_world(self._pose), stamp=not_before)
 
 
 def _camera(_options: NoOptions, cell: CellDescription) -> EmptyBeltCamera:
     pose = cell.viewpoints[0].pose()
-    return EmptyBeltCamera(OVERHEAD if pose is None else pose)
+    return EmptyBeltCamera(OVERHEAD if pose is None else pose, cell.placement)
 
 
 def _mover(kind: Callable[[Absent, DryRun], object]) -> Backend:
-    return backend_of(NoOptions, lambda _options, _cell: kind(Absent(), DryRun(log.info)), harmless=True)
+    return backend_of(
+        NoOptions, lambda _options, _cell: kind(Absent(), DryRun(log.info)), harmless=True, absent=True
+    )
 
 
 ARM, BELT, SORTER = _mover(WrappedArm), _mover(WrappedBelt), _mover(WrappedSorter)

@@ -8,6 +8,7 @@ The rules that every device keeps, so that nothing is lost or done twice:
   what became of it, also after the connection or this program was restarted.
 * Targets are absolute: "object n at the belt end", never "one step further".
 * A scan is younger than the stop of everything that moves.
+* Poses are in the robot's world; a cell that is composed of devices brings them into the belt's frame.
 * A device whose controller was restarted has another `boot_id`: what it no longer remembers is unknown, not
   undone.
 
@@ -33,17 +34,21 @@ class Scan:
         Points in the *camera* frame, metres: (height, width, 3) for an organised depth image, NaN where a
         pixel has no return, or (n, 3).
     world_from_camera
-        The camera's pose as the arm reports it, shape (4, 4).
+        The camera's pose, shape (4, 4). A driver tells it in the robot's world, or NaN if it does not know
+        it; a cell that is composed of drivers tells it in the belt's frame.
     stamp
         Time at which the exposure began, seconds on the cell's clock.
     frame
         Name of the camera frame.
+    assumed
+        Whether nobody knows where the camera stood: the pose is that of the viewpoint where it should.
     """
 
     points: Points
     world_from_camera: Pose
     stamp: float
     frame: str = "camera"
+    assumed: bool = False
 
 
 @dataclass(frozen=True)
@@ -125,6 +130,26 @@ class Homing(Protocol):
 
     def home(self, index: int, *, timeout: float = TIMEOUT) -> None:
         """Take it that object number `index` of the run is at the belt end."""
+
+
+@runtime_checkable
+class TellsFlangePose(Protocol):
+    """An arm that knows where its flange is."""
+
+    def flange_pose(self, *, timeout: float = TIMEOUT) -> Pose | None:
+        """Return the flange's pose in the robot's world, shape (4, 4), or None if it is not set up for that.
+
+        Raises `CommandError` if the arm cannot be asked.
+        """
+
+
+@runtime_checkable
+class KnowsPoses(Protocol):
+    """A cell that knows where the camera should stand."""
+
+    @property
+    def poses(self) -> Sequence[Pose | None]:
+        """The camera's pose at each viewpoint in the belt's frame, shape (4, 4), or None."""
 
 
 @runtime_checkable

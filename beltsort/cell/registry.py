@@ -50,11 +50,14 @@ class Backend:
         Whether one device serves all that name this back-end with the same options.
     harmless
         Whether it moves nothing real, and so needs no `--live`.
+    absent
+        Whether nothing is there that could move: a camera stays where it is, whatever the arm is told.
     """
 
     make: Callable[[Mapping[str, object], "CellDescription"], Any]
     shared: bool = False
     harmless: bool = False
+    absent: bool = False
 
 
 def backend_of(
@@ -63,6 +66,7 @@ def backend_of(
     *,
     shared: bool = False,
     harmless: bool = False,
+    absent: bool = False,
 ) -> Backend:
     """Return a back-end whose options are a frozen dataclass of plain fields.
 
@@ -72,10 +76,10 @@ def backend_of(
         The dataclass; what the file gives is checked against its fields and their types.
     make
         From such options and the cell to a device.
-    shared, harmless
+    shared, harmless, absent
         As in `Backend`.
     """
-    return Backend(lambda given, cell: make(validated(options, given), cell), shared, harmless)
+    return Backend(lambda given, cell: make(validated(options, given), cell), shared, harmless, absent)
 
 
 def backend(role: str, name: str) -> Backend:

@@ -202,6 +202,10 @@ class CheckLimits(Section):
     """Most millimetres between the seen belt and where it should be, at the belt end."""
     belt_points: PositiveInt = 1000
     """Fewest points of a scan that lie on the belt."""
+    pose_angle: PositiveFloat = 1.0
+    """Most degrees between the camera's pose, where it is known, and that of the viewpoint."""
+    pose_distance: PositiveFloat = 10.0
+    """Most millimetres between the camera, where its pose is known, and the viewpoint."""
     crop_inside: Annotated[PositiveFloat, Field(le=1.0)] = 1.0
     """Least share of a position's crop cylinder that lies inside the image."""
     crop_points: PositiveInt = 100

@@ -77,8 +77,9 @@ def show(found: "CellCheck", calls: "list[Recorded]") -> None:
     print_table([("device", "ready", "controller"), *health_rows(found)])
     if found.views:
         print()
-        header = ("viewpoint", "belt angle", "belt height", "belt points", "position", "in image", "points")
-        print_table([header, *(row for view in found.views for row in view_rows(view))])
+        seen = ("belt angle", "belt height", "belt points", "position", "in image", "points")
+        views = (row for view in found.views for row in view_rows(view))
+        print_table([("viewpoint", "pose off by", *seen), *views])
     print()
     rows = [(name, str(n), f"{mean:.3f} s", f"{most:.3f} s") for name, n, mean, most in times(calls)]
     print_table([("act", "calls", "mean", "most"), *rows])
@@ -94,10 +95,11 @@ def health_rows(found: "CellCheck") -> list[tuple[str, ...]]:
 
 def view_rows(view: "View") -> list[tuple[str, ...]]:
     """Return a row for each position seen from a viewpoint."""
-    belt = (f"{view.belt.angle:.2f} deg", f"{view.belt.height:+.1f} mm", str(view.belt.points))
+    off = "?" if view.pose is None else f"{view.pose.angle:.2f} deg, {view.pose.distance:.1f} mm"
+    belt = (off, f"{view.belt.angle:.2f} deg", f"{view.belt.height:+.1f} mm", str(view.belt.points))
     return [
         (
-            *((view.viewpoint, *belt) if position == 0 else ("", "", "", "")),
+            *((view.viewpoint, *belt) if position == 0 else [""] * 5),
             str(position + 1),
             "?" if crop.inside is None else f"{crop.inside:.0%}",
             str(crop.points),

@@ -1,12 +1,15 @@
 """`beltsort explain`: why a run did what it did."""
 
 from argparse import Namespace
+from collections.abc import Sequence
 
-from beltsort.audit import Step, entries_of, step_of
+from beltsort.audit import Step, befell, entries_of, step_of
 from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.narrate import Narrator
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
 from beltsort.explanation import action_in_words, explain, tree_in_names
+from beltsort.journal import Entry
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -27,11 +30,15 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Find the step, plan once more, and tell."""
-    step = step_of(entries_of(arguments.folder), arguments.step)
+    entries = entries_of(arguments.folder)
+    step = step_of(entries, arguments.step)
+    mishaps = list(befell(entries, step))
     if arguments.json:
-        print_json(as_json(step, arguments.depth))
-    else:
-        show(step, arguments.depth)
+        befallen = [{"kind": entry.kind, **entry.data} for entry in mishaps]
+        print_json(as_json(step, arguments.depth) | {"befell": befallen})
+        return 0
+    show(step, arguments.depth)
+    show_mishaps(entries[0], mishaps)
     return 0
 
 
@@ -46,6 +53,7 @@ def as_json(step: Step, depth: int) -> dict[str, object]:
         "belief": step.belief.probabilities.tolist(),
         "action": action_as_json(step.model, step.action),
         "reason": step.reason,
+        "drift_alarms": step.alarms,
         "same_again": None if plan is None else plan.action == step.action,
         "tree": None if plan is None else tree_in_names(step.model, plan.tree(depth)),
     }
@@ -60,6 +68,8 @@ def show(step: Step, depth: int) -> None:
     print(f"Step {step.number}, {step.entry.time[:19].replace('T', ' ')} UTC: {at}. Belief:")
     rows = enumerate(step.belief.probabilities.tolist())
     print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
+    if step.alarms:
+        print(f"\nAfter {step.alarms} drift alarms: belief and values rest on tables that no longer hold.")
     print(f"\nIt was chosen to {action_in_words(model, step.action)}.")
     if step.reason is not None:
         print(f"A rule chose: {step.reason}.")
@@ -73,3 +83,13 @@ def show(step: Step, depth: int) -> None:
         print(
             "(Planned again, with as many trials, something else looks better: the budget was one of time.)"
         )
+
+
+def show_mishaps(first: Entry, mishaps: Sequence[Entry]) -> None:
+    """Print what went otherwise than planned; the run's first entry tells the names."""
+    narrator = Narrator()
+    narrator.line(first)
+    if mishaps:
+        print("\nWhile it was carried out:")
+    for entry in mishaps:
+        print(f"  {narrator.line(entry)}")

@@ -41,6 +41,8 @@ class Narrator:
                 text = self._drift(entry.data)
             case "bad_scan":
                 text = f"unusable scan: {entry.data['error']}"
+            case "wrong_viewpoint":
+                text = self._wrong_viewpoint(entry.data)
             case "decision":
                 text = self._decision(entry.data)
             case "skip":
@@ -89,6 +91,14 @@ class Narrator:
         self.belief = data["belief"]
         beliefs = " | ".join(self.likely(row) for row in self.belief)
         return f"look from {self.viewpoints[data['viewpoint']]}: {' | '.join(seen)}  ->  {beliefs}"
+
+    def _wrong_viewpoint(self, data: dict[str, Any]) -> str:
+        there = data["stands_at"]
+        where = "elsewhere" if there is None else f"at {self.viewpoints[there]}"
+        return (
+            f"wrong viewpoint: the camera stands {where}, {data['angle']:.1f} degrees and "
+            f"{data['distance']:.0f} mm from {self.viewpoints[data['viewpoint']]}; the scan is dropped"
+        )
 
     def _drift(self, data: dict[str, Any]) -> str:
         where = ""

@@ -120,4 +120,6 @@ def tell_result(console: "Console", opened: "CellRun", report: "SortingReport") 
     sorted_into = [f"{counts[name]} {name}" for name in names if counts[name]]
     parts = [*sorted_into, f"{len(report.skipped)} empty"] if report.skipped else sorted_into
     console.print(f"{len(report.decisions)} sorted in {report.steps} steps: {', '.join(parts)}")
+    if report.drift:
+        console.print(f"{len(report.drift)} drift alarms: estimate the tables anew before the next run")
     console.print(f"journal, model and calls: {opened.folder}")

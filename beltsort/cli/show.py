@@ -47,6 +47,7 @@ def run(arguments: Namespace) -> int:
                 "at_belt_end": progress.index,
                 "decisions": [asdict(decision) for decision in progress.decisions],
                 "skipped": progress.skipped,
+                "drift": [alarm.to_dict() for alarm in progress.drift.alarms],
                 "entries": [asdict(entry) for entry in entries],
             }
         )
@@ -63,4 +64,6 @@ def show(entries: Sequence[Entry], progress: Progress) -> None:
         if line is not None:
             print(f"{entry.number:>6}  {entry.time[:19].replace('T', ' ')}  {line}")
     done = f"{len(progress.decisions)} sorted, {len(progress.skipped)} empty"
+    if progress.drift.alarms:
+        print(f"{len(progress.drift.alarms)} drift alarms: labels no longer come as the tables say")
     print(f"{done}, {progress.objects - progress.index} left; {progress.steps} steps")

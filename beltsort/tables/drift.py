@@ -26,18 +26,21 @@ England Journal of Statistics in Data Science 2 (2024). G. Shafer, V. Vovk, "Gam
 Probability and Finance", Wiley 2019.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any, Self
 
 import numpy as np
 
 import beltsort
+from beltsort.rules import Drift
 from beltsort.tables.counts import Array
 from beltsort.text import number_or_none
 
 NOISE = 0.2  # lambda; from 0.1 to 0.5 the delays differ little
 MEMORY = 0.98  # what shares of labels keep of their weight from look to look
 CAUTION = 5.0  # looks that are taken to have come as predicted before the first
+LEARNT = ("seen", "expected", "excess", "variance", "looks")  # arrays of a watch, by position and viewpoint
 
 
 @dataclass(frozen=True)
@@ -63,12 +66,17 @@ class Alarm:
         """Return it as plain data, fit for JSON: infinite evidence is None."""
         return {**asdict(self), "evidence": number_or_none(self.evidence)}
 
+    @classmethod
+    def of_dict(cls, data: Mapping[str, Any]) -> Self:
+        """Return the alarm that `to_dict` told of."""
+        return cls(**{**data, "evidence": np.inf if data["evidence"] is None else data["evidence"]})
+
 
 class _Gambler:
     """One wealth process: two bets."""
 
-    def __init__(self) -> None:
-        self.looks, self.at_stake = 0, np.zeros(2)  # by bet
+    def __init__(self, looks: int = 0, at_stake: Sequence[float] = (0.0, 0.0)) -> None:
+        self.looks, self.at_stake = looks, np.array(at_stake)  # by bet
 
     def bet(self, factors: Array) -> float:
         """Take in one look, a factor for each bet; return the wealth."""
@@ -100,6 +108,8 @@ class DriftWatch:
 
     Attributes
     ----------
+    model, false_alarm
+        As given.
     alarms
         All alarms so far.
 
@@ -121,11 +131,7 @@ class DriftWatch:
     """
 
     def __init__(self, model: "beltsort.SortingModel", *, false_alarm: float = 0.01) -> None:
-        if not 0.0 < false_alarm < 1.0:
-            raise beltsort.ArgumentError(
-                f"false_alarm is {false_alarm}, expected a probability between 0 and 1, such as 0.01"
-            )
-        self.model = model
+        self.model, self.false_alarm = model, Drift(false_alarm).false_alarm
         self.alarms: list[Alarm] = []
         shape = (model.positions, len(model.viewpoints))
         self._gamblers: dict[tuple[int, int] | None, _Gambler] = {
@@ -171,6 +177,32 @@ class DriftWatch:
         self.alarms += raised
         return raised
 
+    def state(self) -> dict[str, Any]:
+        """Return all that the watch has learnt, as plain data, fit for JSON and exact."""
+        return {
+            "false_alarm": self.false_alarm,
+            "gamblers": [
+                [None if place is None else [*place], gambler.looks, gambler.at_stake.tolist()]
+                for place, gambler in self._gamblers.items()
+            ],
+            "alarms": [alarm.to_dict() for alarm in self.alarms],
+            **{name: _finite(getattr(self, f"_{name}").tolist()) for name in LEARNT},
+        }
+
+    @classmethod
+    def of_state(cls, model: "beltsort.SortingModel", state: Mapping[str, Any]) -> Self:
+        """Return the watch that `state` told of; it goes on as that one would."""
+        watch = cls(model, false_alarm=state["false_alarm"])
+        watch._gamblers = {
+            None if place is None else (place[0], place[1]): _Gambler(looks, at_stake)
+            for place, looks, at_stake in state["gamblers"]
+        }
+        watch.alarms = [Alarm.of_dict(alarm) for alarm in state["alarms"]]
+        for name in LEARNT:
+            learnt = np.array(state[name], dtype=np.float64)
+            setattr(watch, f"_{name}", np.where(np.isnan(learnt), np.inf, learnt))
+        return watch
+
     def surprise(self) -> tuple[Array, Array]:
         """Return by how much the log-likelihood of the labels fell short of what the model predicts.
 
@@ -215,3 +247,8 @@ class DriftWatch:
         del self._gamblers[place]
         position, viewpoint = place or (None, None)
         return Alarm(position, viewpoint, gambler.looks, wealth)
+
+
+def _finite(numbers: Any) -> Any:
+    """Return nested numbers with None for infinite ones."""
+    return [*map(_finite, numbers)] if isinstance(numbers, list) else number_or_none(numbers)

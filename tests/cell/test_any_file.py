@@ -16,7 +16,7 @@ from beltsort.errors import CellError
 from tests.cell.cell_files import EXAMPLE
 from tests.cell.test_cell_docs import TOML
 
-FILES = [tomllib.loads(text) for text in (EXAMPLE.read_text(), TOML[0], TOML[0] + TOML[2])]
+FILES = [tomllib.loads(text) for text in (EXAMPLE.read_text(), TOML[0], TOML[0] + TOML[1] + TOML[-1])]
 
 SCALARS = st.one_of(
     st.text(max_size=5), st.integers(), st.floats(), st.booleans(), st.just(date(2020, 1, 1)),

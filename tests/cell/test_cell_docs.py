@@ -35,7 +35,7 @@ def test_the_example_of_a_real_cell_can_be_read_and_composed(tmp_path: Path) -> 
 
 
 def test_the_example_of_faults_can_be_read() -> None:
-    faults = validated(sections.FaultSection, tomllib.loads(TOML[2])["faults"])
+    faults = validated(sections.FaultSection, tomllib.loads(TOML[-1])["faults"])
     assert faults.plan().schedule == {("sort", 3): Fault.FULL_BIN}
 
 

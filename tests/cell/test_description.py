@@ -64,9 +64,10 @@ def test_taught_joint_angles_need_no_pose(tmp_path: Path) -> None:
 
 
 def test_where_the_belt_lies_in_the_robots_world(tmp_path: Path) -> None:
-    np.testing.assert_array_equal(described(tmp_path).world_from_belt, np.eye(4))
+    assert described(tmp_path).placement.world_from_belt is None
     table = "[belt.world_from_belt]\nposition = [0.5, 0.0, 0.1]\nquaternion = [0.0, 0.0, 1.0, 0.0]\n[sorter]"
-    pose = described(tmp_path, ("[sorter]", table)).world_from_belt
+    pose = described(tmp_path, ("[sorter]", table)).placement.world_from_belt
+    assert pose is not None
     np.testing.assert_allclose(pose @ [0.1, 0.0, 0.0, 1.0], [0.4, 0.0, 0.1, 1.0], atol=1e-12)
 
 
@@ -89,6 +90,7 @@ WRONG = [
     (OBJECTS, '\nmodel = "m"\n', "model: is 'm', but there is .prepare., which makes one"),
     ("[prepare]\ntraining_objects = 40\ntable_objects = 100", 'model = "m"', "^classifier: is missing"),
     (OBJECTS, "\nperception = {voxel = 0}\n", "perception: voxel is 0.*, expected above 0"),
+    ("[planner]", "[drift]\nfalse_alarm = 2\n[planner]", "drift: false_alarm is 2.*, expected a probability"),
     ("[planner]", "[faults.rates]\nnot_don = 0.1\n[planner]", "faults.rates.not_don.*'not_done', 'lost_ack"),
     ("[planner]", "[faults.rates]\nlate = 1.5\n[planner]", "faults.rates.late: is 1.5, expected less"),
     ("[backends.simulated]", "[backends.simulatd]", "backends.simulatd: has options, but drives no de"),

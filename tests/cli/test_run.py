@@ -17,6 +17,7 @@ from beltsort.cell.simulated.backend import BACKEND
 from beltsort.cli import main
 from beltsort.journal import read_journal
 from beltsort.perception import NearestNeighbour, PerceptionConfig
+from beltsort.progress import Progress
 from beltsort.tables.collect import collect_training
 from beltsort.tables.counts import Look, count
 from beltsort.tables.prepare import Prepared
@@ -225,6 +226,42 @@ def test_a_held_run_goes_on_when_it_is_resumed(folder: Path, capsys: pytest.Capt
     assert [decision["object"] for decision in result_of(capsys)["decisions"]] == [0, 1]
     assert main(["run", whole, "--resume", str(folder / "none")]) == 2
     assert "does not exist" in capsys.readouterr().err
+
+
+def test_an_arm_that_arrives_elsewhere_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fault = '[faults]\nschedule = [{command = "move_to", number = 2, kind = "wrong_arrival"}]\n[planner]'
+    assert main(["run", cell_file(folder, ("[planner]", fault)), "--objects", "1"]) == 0
+    assert "wrong viewpoint: the camera stands at p" in capsys.readouterr().out
+    (run,) = (folder / "runs").iterdir()
+    assert main(["explain", str(run), "--step", "1"]) == 0
+    assert "While it was carried out:\n  object  1  wrong viewpoint: " in capsys.readouterr().out
+    assert main(["explain", str(run), "--step", "1", "--json"]) == 0
+    assert [mishap["kind"] for mishap in result_of(capsys)["befell"]] == ["wrong_viewpoint"]
+
+
+def test_tables_that_do_not_hold_are_told_and_hold_the_run(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sure, standard = np.tile(0.01 + 0.96 * np.eye(4), (2, 3, 1, 1)), [0.01, 0.01, 0.01, 0.97]
+    model = beltsort.SortingModel(CellConfig().classes, ["p1", "p2", "p3"], sure, arrival=standard, r_min=500)
+    model.save(folder / "cell" / "model.json")
+    drift = "[drift]\nfalse_alarm = 0.2\nhold = true\n[planner]"
+    assert main(["run", cell_file(folder, ("[planner]", drift))]) == 2
+    said = capsys.readouterr()
+    assert "no longer come as the tables say; estimate them anew" in said.out
+    assert "expected none while drift.hold is on" in said.err
+    (run,) = (folder / "runs").iterdir()
+    told = cell_file(folder, ("[planner]", drift.replace("hold = true", "")))
+    assert main(["run", told, "--resume", str(run), "--json"]) == 0
+    alarms = result_of(capsys)["drift"]
+    assert alarms
+    assert main(["show", str(run)]) == 0
+    assert f"{len(alarms)} drift alarms: labels no longer come" in capsys.readouterr().out
+    assert main(["show", str(run), "--json"]) == 0
+    assert result_of(capsys)["drift"] == alarms
+    last = str(Progress.after(read_journal(run / "journal.sqlite")).steps)
+    assert main(["explain", str(run), "--step", last]) == 0
+    assert f"After {len(alarms)} drift alarms: belief and values rest on" in capsys.readouterr().out
 
 
 def test_belt_and_sorter_over_opc_ua(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

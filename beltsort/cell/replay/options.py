@@ -27,7 +27,9 @@ class ReplayOptions:
     scan_topic
         PointCloud2, in the optical frame of the camera.
     world_frame
-        tf's frame on the belt surface under the belt end (`beltsort.geometry`).
+        tf's frame of the robot's world: the one on the belt surface under the belt end
+        (`beltsort.geometry`), as `Recorder` writes it, or that of which the cell file's `world_from_belt`
+        speaks.
     pose_topic
         PoseStamped of the camera in the world frame, instead of tf.
     pose_age

@@ -12,6 +12,7 @@ from beltsort.cell.ros1.link import Deadline, Link
 from beltsort.cell.ros1.options import Ros1ArmOptions
 from beltsort.cell.ros1.standstill import Motion, Standstill
 from beltsort.errors import CellError
+from beltsort.geometry import Pose
 
 BEAT = 0.05
 """Seconds between looks at the joint states, and between repetitions of a command."""
@@ -40,6 +41,8 @@ class Ros1Arm(Ros1Device):
             publish=self._commanding.publish,
             subscribe={**states, **self._commanding.subscribe},
             joints=self._joints,
+            tf=bool(options.flange_frame),
+            pose_age=options.pose_age,
         )
         super().__init__(
             link,
@@ -88,6 +91,29 @@ class Ros1Arm(Ros1Device):
                 Outcome.NOT_DONE,
             )
         return self._ledger.once("move_to", viewpoint, command_id, lambda: self._move(viewpoint, timeout))
+
+    def flange_pose(self, *, timeout: float = TIMEOUT) -> Pose | None:
+        """Return the flange's pose in the robot's world as tf has it, shape (4, 4), or None without a frame.
+
+        Raises
+        ------
+        CommandError
+            If tf does not tell it in time.
+        """
+        if not self._options.flange_frame:
+            return None
+        world, flange = self._options.world_frame, self._options.flange_frame
+        deadline, number, refused = Deadline(timeout), 0, f"nothing came on {self._topic}"
+        self._link.connect(timeout)
+        while (news := self._await(deadline, number)) is not None:
+            number = news.number
+            try:
+                return self._pose_in(world, flange, news.stamp, deadline)
+            except CellError as reason:
+                refused = str(reason)
+        raise CommandError(
+            f"the pose of {flange!r} was not known within {timeout:g} s: {refused}", Outcome.NOT_DONE
+        )
 
     def _move(self, viewpoint: int, timeout: float) -> float:
         name, deadline = self._options.viewpoints[viewpoint], Deadline(timeout)

@@ -9,7 +9,7 @@ from beltsort.cell.protocols import Scan
 from beltsort.cell.ros.checks import check_pose
 from beltsort.cell.ros.clouds import Cloud, points_of
 from beltsort.cell.ros.joints import standing_at, told
-from beltsort.cell.ros1.device import SLICE, News, Ros1Device
+from beltsort.cell.ros1.device import News, Ros1Device
 from beltsort.cell.ros1.link import Deadline, Link
 from beltsort.cell.ros1.options import Ros1CameraOptions
 from beltsort.errors import CellError
@@ -85,9 +85,8 @@ class Ros1Camera(Ros1Device):
 
     def _pose(self, frame: str, stamp: float, deadline: Deadline) -> Pose:
         if self._options.world_frame:
-            asked = {"world": self._options.world_frame, "camera": frame, "stamp": stamp}
-            return np.array(self._link.ask("pose", SLICE + deadline.left(), **asked).values["pose"])
-        return self._taught_pose(deadline)
+            return self._pose_in(self._options.world_frame, frame, stamp, deadline)
+        return self._taught_pose(deadline) if self._options.taught else np.full((4, 4), np.nan)
 
     def _taught_pose(self, deadline: Deadline) -> Pose:
         """Return the pose of the viewpoint at which the arm stands."""

@@ -3,11 +3,14 @@
 import time
 from typing import Any, NamedTuple, Self
 
+import numpy as np
+
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import Health
 from beltsort.cell.ros1.link import GRACE, Deadline, Link
 from beltsort.cell.ros1.master import node_pid
 from beltsort.cell.ros1.options import Ros1ActuatorOptions
+from beltsort.geometry import Pose
 
 SLICE = 0.25
 """Seconds for which the node is asked to wait at a time, so that a deadline can say what came instead."""
@@ -132,6 +135,11 @@ class Ros1Device:
                 return News(after, values["stamp"], values["node"], values["message"], data)
             if end.left() == 0.0:
                 return None
+
+    def _pose_in(self, world: str, frame: str, stamp: float, deadline: Deadline) -> Pose:
+        """Return the pose of a frame as tf has it, shape (4, 4)."""
+        asked = {"world": world, "camera": frame, "stamp": stamp}
+        return np.array(self._link.ask("pose", SLICE + deadline.left(), **asked).values["pose"])
 
     def _publish(self, topic: str, message: dict[str, Any], deadline: Deadline) -> None:
         """Publish a message, waiting for somebody to listen.

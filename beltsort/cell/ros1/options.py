@@ -46,6 +46,7 @@ class Ros1CameraOptions(Ros1Options):
     """A camera that publishes point clouds, and how its pose is known.
 
     Either by tf (`world_frame`), or by the joint states: at a taught viewpoint the camera has a known pose.
+    By neither, it does not tell its pose, and a cell asks the arm.
 
     Attributes
     ----------
@@ -54,7 +55,8 @@ class Ros1CameraOptions(Ros1Options):
     frame
         The camera's optical frame, in which the clouds must be (x right, y down, z forward).
     world_frame
-        tf's frame on the belt surface under the belt end (`beltsort.geometry`).
+        tf's frame of the robot's world, in which the pose is told: the one on the belt surface under the belt
+        end (`beltsort.geometry`), or that of which the cell file's `world_from_belt` speaks.
     pose_age
         How far from a cloud's stamp the pose that is taken may be, seconds.
     joint_topic
@@ -62,7 +64,7 @@ class Ros1CameraOptions(Ros1Options):
     taught
         Joint positions of each viewpoint, by its name and the joint's, radians.
     poses
-        `world_from_camera` at each of these viewpoints, shape (4, 4).
+        `world_from_camera` at each of these viewpoints in the robot's world, shape (4, 4).
     tolerance
         How far each joint may be from its taught position, radians.
     """
@@ -77,13 +79,13 @@ class Ros1CameraOptions(Ros1Options):
     tolerance: float = 0.02
 
     def __post_init__(self) -> None:
-        """Refuse a pose that nothing tells, or two things do."""
+        """Refuse a pose that two things tell, or half a thing does."""
         by_joints = [bool(self.joint_topic), bool(self.taught), bool(self.poses)]
-        if any(by_joints) == bool(self.world_frame) or any(by_joints) != all(by_joints):
+        if any(by_joints) and (self.world_frame or not all(by_joints)):
             raise CellError(
                 f"world_frame is {self.world_frame!r}, joint_topic {self.joint_topic!r}, taught names "
                 f"{sorted(self.taught)} and poses {sorted(self.poses)}; give either world_frame or the other "
-                "three"
+                "three, or none of them"
             )
         if set(self.poses) != set(self.taught):
             raise CellError(
@@ -106,6 +108,11 @@ class Ros1ArmOptions(Ros1ActuatorOptions):
         Their names, in the order of the model.
     taught
         Joint positions of each viewpoint, by its name and the joint's, radians.
+    world_frame, flange_frame
+        tf's frames of the robot's world and of the flange, for a camera that does not tell its pose; none if
+        empty.
+    pose_age
+        How far from the newest joint states' stamp the flange's pose may be, seconds.
     joint_topic
         sensor_msgs/JointState.
     joint_command_topic
@@ -124,6 +131,9 @@ class Ros1ArmOptions(Ros1ActuatorOptions):
 
     viewpoints: tuple[str, ...]
     taught: Mapping[str, Joints]
+    world_frame: str = ""
+    flange_frame: str = ""
+    pose_age: float = 0.2
     joint_topic: str = "/joint_states"
     joint_command_topic: str = ""
     action: str = ""
@@ -139,7 +149,12 @@ class Ros1ArmOptions(Ros1ActuatorOptions):
                 f"joint_command_topic is {self.joint_command_topic!r} and action {self.action!r}; give the "
                 "one that the arm listens to"
             )
-        check_positive(self, "seconds", "tolerance", "still", "stalled")
+        if bool(self.world_frame) != bool(self.flange_frame):
+            raise CellError(
+                f"world_frame is {self.world_frame!r} and flange_frame {self.flange_frame!r}; give both for "
+                "the flange's pose by tf, or none"
+            )
+        check_positive(self, "seconds", "tolerance", "still", "stalled", "pose_age")
         check_taught(self.taught)
         if set(self.taught) != set(self.viewpoints) or not self.viewpoints:
             raise CellError(

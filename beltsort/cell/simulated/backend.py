@@ -57,7 +57,8 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
     """
     from beltsort.cell.simulated.cell import SimulatedCell
 
-    return SimulatedCell(true_labels(options, cell), config_of(cell, options), seed=options.seed)
+    labels, config = true_labels(options, cell), config_of(cell, options)
+    return SimulatedCell(labels, config, seed=options.seed, placement=cell.placement)
 
 
 def trainable_config(cell: CellDescription) -> CellConfig:

@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
+from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
 from beltsort.cell.simulated.config import CellConfig
 from beltsort.cell.simulated.noise import noisy_depth
@@ -34,6 +35,8 @@ class SimulatedCell:
         What the cell is set to.
     seed
         Not negative.
+    placement
+        Of belt and camera; camera and flange tell their poses in the robot's world.
 
     Attributes
     ----------
@@ -54,11 +57,15 @@ class SimulatedCell:
     """
 
     def __init__(
-        self, true_labels: Sequence[int | None], config: CellConfig | None = None, seed: int = 0
+        self,
+        true_labels: Sequence[int | None],
+        config: CellConfig | None = None,
+        seed: int = 0,
+        placement: Placement | None = None,
     ) -> None:
         self._config = CellConfig() if config is None else config
         self._world = World(true_labels, self._config, seed)
-        self._seed = seed
+        self._seed, self._placement = seed, placement or Placement()
         self._done: dict[str, tuple[tuple[str, int], float]] = {}
         self._viewpoint, self._looks = 0, 0
         self.clock = 0.0
@@ -78,6 +85,11 @@ class SimulatedCell:
     def viewpoints(self) -> tuple[str, ...]:
         """Names of the viewpoints."""
         return tuple(v.name for v in self._config.viewpoints)
+
+    @property
+    def poses(self) -> tuple[Pose, ...]:
+        """The camera's pose at each viewpoint in the belt's frame, shape (4, 4)."""
+        return tuple(v.pose() for v in self._config.viewpoints)
 
     @property
     def layout(self) -> BeltLayout:
@@ -150,6 +162,10 @@ class SimulatedCell:
 
         return self._once(("move_to", viewpoint), command_id, move)
 
+    def flange_pose(self, **_timeout: float) -> Pose | None:
+        """Return the flange's pose in the robot's world, shape (4, 4); None without a hand-eye transform."""
+        return self._placement.of_flange(self._pose())
+
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         """Return a scan whose exposure began at or after `not_before` (seconds on the cell's clock)."""
         if not np.isfinite(not_before):
@@ -159,9 +175,13 @@ class SimulatedCell:
         rng = generator(self._seed, SCAN_STREAM, self._world.first, self._looks)
         self._looks += 1
         self.clock += self._config.scan_seconds
-        reported = self._config.viewpoints[self._viewpoint].pose()
+        reported = self._pose()
         points = self._measured(self._config.arm.true_pose(reported, rng), rng)
-        return Scan(points=points, world_from_camera=reported, stamp=stamp)
+        return Scan(points, self._placement.in_world(reported), stamp)
+
+    def _pose(self) -> Pose:
+        """Return the camera's pose in the belt's frame as the arm reports it, shape (4, 4)."""
+        return self._config.viewpoints[self._viewpoint].pose()
 
     def _measured(self, world_from_camera: Pose, rng: np.random.Generator) -> Points:
         """Return the organised points of one scan, camera frame, shape (height, width, 3)."""

@@ -6,7 +6,8 @@ from functools import partial
 from typing import Any, Protocol
 
 from beltsort.cell.commands import TIMEOUT, Outcome
-from beltsort.cell.protocols import Health, Scan
+from beltsort.cell.protocols import Health, Scan, TellsFlangePose
+from beltsort.geometry import Pose
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,8 @@ class Call:
     Attributes
     ----------
     name
-        The method's: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop` or `outcome_of`.
+        The method's: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop`, `outcome_of` or
+        `flange_pose`.
     target
         Viewpoint, index, label, or the scan's `not_before`; None if the method has none.
     command_id
@@ -101,6 +103,14 @@ class WrappedArm(_Wrapped):
         """Bring the camera to `viewpoint`."""
         stopped: float = self._command("move_to", viewpoint, command_id, timeout)
         return stopped
+
+    def flange_pose(self, *, timeout: float = TIMEOUT) -> Pose | None:
+        """Return the flange's pose in the robot's world, or None if the arm does not tell it."""
+        if not isinstance(self._device, TellsFlangePose):
+            return None
+        asked = Call("flange_pose", timeout=timeout)
+        pose: Pose | None = self._around(asked, lambda call: self._device.flange_pose(timeout=call.timeout))
+        return pose
 
 
 class WrappedBelt(_Wrapped):

@@ -1,5 +1,6 @@
 """An arm on ROS 1, by joint commands and by an action."""
 
+import dataclasses
 import threading
 import time
 from collections.abc import Iterator
@@ -36,6 +37,22 @@ def test_it_moves_and_tells_when_it_stopped(either: Ros1Arm) -> None:
         stop = either.move_to(viewpoint, one, timeout=10.0)
         assert began < stop <= time.time()
         assert either.outcome_of(one) is Outcome.DONE
+
+
+def test_the_flange_is_where_tf_says(rig: Rig, arm: Ros1Arm) -> None:
+    assert arm.flange_pose() is None, "no frame is named"
+    options = dataclasses.replace(scene.arm(rig.uri), world_frame="world", flange_frame="optical")
+    with Ros1Arm(options) as telling:
+        telling.move_to(1, an_id(), timeout=10.0)
+        pose = telling.flange_pose(timeout=10.0)
+        assert pose is not None
+        assert pose[2, 3] == pytest.approx(scene.TAUGHT["p2"]["elbow"], abs=options.tolerance)
+    said = "the pose of 'hand' was not known within 1 s: no transforms"
+    with (
+        Ros1Arm(dataclasses.replace(options, flange_frame="hand")) as lost,
+        pytest.raises(CommandError, match=said),
+    ):
+        lost.flange_pose(timeout=1.0)
 
 
 def test_a_refused_goal_says_what_the_action_says(rig: Rig, shared_acting_arm: Ros1Arm) -> None:

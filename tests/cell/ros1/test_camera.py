@@ -30,6 +30,11 @@ def test_the_pose_is_the_taught_one_where_the_arm_stands(rig: Rig, arm: Ros1Arm)
             np.testing.assert_array_equal(pose, scene.POSES[name])
 
 
+def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: Rig) -> None:
+    with Ros1Camera(dataclasses.replace(scene.camera_by_tf(rig.uri), world_frame="")) as camera:
+        assert np.isnan(camera.scan(not_before=time.time(), timeout=10.0).world_from_camera).all()
+
+
 @pytest.mark.parametrize(
     ("cloud", "said"),
     [

@@ -17,7 +17,6 @@ MASTER = "http://127.0.0.1:11311"
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"world_frame": ""}, "give either world_frame or the other three"),
         ({"joint_topic": "/joint_states"}, "give either world_frame"),
         ({"world_frame": "", "taught": scene.TAUGHT, "poses": scene.POSES}, "joint_topic ''"),
         (
@@ -47,6 +46,7 @@ def test_a_camera_whose_pose_is_not_known_or_twice(changes: dict[str, Any], said
         ({"taught": {**scene.TAUGHT, "p2": {}}}, r"taught.p2 is \{\}, .* \['elbow', 'shoulder'\]"),
         ({"taught": {**scene.TAUGHT, "p2": {"elbow": float("nan"), "shoulder": 0.0}}}, "taught.p2 is"),
         ({"stalled": float("nan")}, "stalled is nan"),
+        ({"flange_frame": "flange"}, "world_frame is '' and flange_frame 'flange'; give both"),
         ({"viewpoints": (), "taught": {}}, r"expected joints for each of the viewpoints \[\]"),
     ],
 )

@@ -1,0 +1,140 @@
+"""Choosing: what a rule says, or else the policy, and writing down why."""
+
+from typing import Any
+
+from beltsort._core import Decide, Despot, Move, PolicyError
+from beltsort.cell import Cell
+from beltsort.commander import Commander
+from beltsort.policy import Policy
+from beltsort.record import Record
+from beltsort.rules import Rules
+
+LATE = 1.2
+"""A plan that took so many times its budget of time is marked in the journal; it is the best one so far."""
+
+
+class Chooser:
+    """Chooses the next action and has it done, or writes down the decision.
+
+    Parameters
+    ----------
+    cell
+        Whether it has a bin for undecided objects.
+    policy
+        Names the next action where no rule does.
+    record
+        Writes an entry and applies it to the run's progress.
+    rules
+        Limits.
+    commander
+        Carries out moves.
+    """
+
+    def __init__(
+        self, cell: Cell, policy: Policy, record: Record, rules: Rules, commander: Commander
+    ) -> None:
+        self._cell, self._policy, self._record, self._rules = cell, policy, record, rules
+        self._commander = commander
+        self._progress, self._model = record.progress, record.progress.model
+
+    def choose(self) -> None:
+        """Skip an empty place, decide where a rule says so, or do what the policy names.
+
+        Raises
+        ------
+        PolicyError
+            If the policy names what the model does not allow.
+        BeltsortError
+            As `Commander.issue`, and whatever the policy raises.
+        """
+        belt_end, (most_likely, _) = self._progress.visible[0], self._progress.belief.most_likely(0)
+        if self._known_empty():
+            self._skip(decided=False)
+        elif confirming := self._confirmation():
+            self._commander.issue("move", confirming.viewpoint)
+        elif belt_end.looks >= self._rules.max_looks:
+            self._decide(most_likely, forced="max_looks")
+        elif belt_end.impossible >= self._rules.impossible_labels:
+            self._decide(most_likely, forced="impossible_labels")
+        else:
+            self._follow_policy()
+
+    def _follow_policy(self) -> None:
+        match self._plan():
+            case Move(viewpoint):
+                self._commander.issue("move", viewpoint)
+            case Decide(label):
+                self._decide(label)
+
+    def _known_empty(self) -> bool:
+        """Whether the rule of `empty_looks` says that the belt end is empty."""
+        reachable = self._model.travel[self._progress.viewpoint]
+        return self._model.empty is None and self._progress.visible[0].known_empty(self._rules, reachable)
+
+    def _confirmation(self) -> Move | None:
+        """Return the move that would confirm an empty belt end, to a viewpoint not tried yet if possible."""
+        tried = self._progress.visible[0].empty
+        legal = self._model.travel[self._progress.viewpoint]
+        if self._model.empty is not None or not tried or not legal:
+            return None
+        move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
+        self._record("plan", action=_plain(move), why="the belt end was seen empty: look again")
+        return move
+
+    def _plan(self) -> Move | Decide:
+        """Ask the policy."""
+        belief, viewpoint = self._progress.belief, self._progress.viewpoint
+        if not isinstance(self._policy, Despot):
+            action = self._policy.act(belief.copy(), viewpoint)
+            self._check_legal(action)
+            self._record("plan", action=_plain(action))
+            return action
+        plan = self._policy.plan(belief, viewpoint)
+        self._record(
+            "plan",
+            action=_plain(plan.action),
+            values=[{**_plain(action), "value": value} for action, value in plan.values.items()],
+            lower=plan.lower,
+            upper=plan.upper,
+            trials=plan.trials,
+            seconds=plan.seconds,
+            late=plan.seconds > LATE * (self._policy.settings["seconds"] or float("inf")),
+        )
+        return plan.action
+
+    def _check_legal(self, action: object) -> None:
+        """Refuse what the model does not allow, before anything moves."""
+        moves = [Move(viewpoint) for viewpoint in self._model.travel[self._progress.viewpoint]]
+        legal = [*moves, *(Decide(label) for label in range(len(self._model.classes)))]
+        if action not in legal:
+            raise PolicyError(
+                f"the policy returned {action!r} at viewpoint {self._progress.viewpoint}; legal are {legal}"
+            )
+
+    def _decide(self, label: int, forced: str | None = None) -> None:
+        """Write down where the object at the belt end goes; an empty cup goes nowhere."""
+        rejected = self._cell.reject_bin if forced is not None else None
+        if self._model.classes[label] == self._model.empty and rejected is None:
+            self._skip(decided=True)
+            return
+        self._record(
+            "decision",
+            label=label if rejected is None else None,
+            bin=label if rejected is None else rejected,
+            belief=float(self._progress.belief.probabilities[0, label]),
+            looks=self._progress.visible[0].looks,
+            forced=forced,
+        )
+
+    def _skip(self, *, decided: bool) -> None:
+        """Pass over an empty place: nothing to sort."""
+        self._record("skip", viewpoints=self._progress.visible[0].empty, decided=decided)
+
+
+def _plain(action: Move | Decide) -> dict[str, Any]:
+    """Return an action as the journal keeps it."""
+    match action:
+        case Move(viewpoint):
+            return {"move": viewpoint}
+        case Decide(label):
+            return {"decide": label}

@@ -1,0 +1,71 @@
+"""What a run's drift watch has come to: a function of its journal."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from beltsort._core import Belief, SortingModel
+
+if TYPE_CHECKING:
+    from beltsort.tables import Alarm, DriftWatch
+
+
+@dataclass
+class DriftState:
+    """The watch over the tables, and which of its alarms are written down.
+
+    Attributes
+    ----------
+    watch
+        Sees every scan; None if the run does without one.
+    told
+        Alarms that the journal tells of.
+    """
+
+    watch: "DriftWatch | None" = None
+    told: int = 0
+
+    @property
+    def alarms(self) -> "tuple[Alarm, ...]":
+        """All alarms of the watch."""
+        return () if self.watch is None else tuple(self.watch.alarms)
+
+    @property
+    def untold(self) -> "tuple[Alarm, ...]":
+        """Alarms that are still to be written down."""
+        return self.alarms[self.told :]
+
+    def begin(self, model: SortingModel, settings: dict[str, Any] | None) -> None:
+        """Watch from here on, or go on watching if that is what is done already.
+
+        Parameters
+        ----------
+        model
+            Whose tables are watched.
+        settings
+            A `beltsort.rules.Drift` as plain data; None to watch no more.
+        """
+        if settings is None:
+            self.watch, self.told = None, 0
+        elif self.watch is None or self.watch.false_alarm != settings["false_alarm"]:
+            from beltsort.tables import DriftWatch
+
+            self.watch, self.told = DriftWatch(model, false_alarm=settings["false_alarm"]), 0
+
+    def see(self, belief_before: Belief, viewpoint: int, labels: Sequence[int | None]) -> None:
+        """Take in one scan."""
+        if self.watch is not None:
+            self.watch.observe(belief_before, viewpoint, labels)
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return {"watch": None if self.watch is None else self.watch.state(), "told": self.told}
+
+    @classmethod
+    def of_snapshot(cls, model: SortingModel, data: dict[str, Any]) -> "DriftState":
+        """Return what `snapshot` told of."""
+        if data["watch"] is None:
+            return cls()
+        from beltsort.tables import DriftWatch
+
+        return cls(DriftWatch.of_state(model, data["watch"]), data["told"])

@@ -1,0 +1,54 @@
+"""A simulated cell whose arm arrives elsewhere, seen through clouds and classifier.
+
+Without noise a scan is a function of object and viewpoint, so that a dropped one leaves no trace.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import beltsort
+from beltsort.cell.composed import ComposedCell
+from beltsort.cell.simulated import ArmErrors, CellConfig, SimulatedCell
+from beltsort.cell.wrappers.fault_kinds import Fault
+from beltsort.cell.wrappers.faults import FaultPlan, Faults
+from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
+from beltsort.journal import Journal, read_journal
+from beltsort.perception import Perception
+from beltsort.report import SortingReport
+from beltsort.rules import Rules
+from beltsort.sorter import sort_objects
+from beltsort.tables.collect import collect_training
+from tests.cell.conftest import PERFECT_SENSOR
+
+CONFIG = CellConfig(noise=PERFECT_SENSOR, arm=ArmErrors(position=0.0, angle=0.0))
+TRUE, WRONG, SEED = [2, 0, 1], (2, 5), 11
+
+
+@pytest.fixture(scope="module")
+def perception() -> Perception:
+    return Perception(CONFIG.layout, collect_training(CONFIG, objects=1, seed=3, workers=1))
+
+
+def run(
+    path: Path, perception: Perception, wrong: tuple[int, ...], rules: Rules
+) -> tuple[SortingReport, list[dict[str, Any]]]:
+    """Return the report of a run and its scans."""
+    cell = SimulatedCell(TRUE, CONFIG, seed=SEED)
+    faults = Faults(FaultPlan(schedule={("move_to", n): Fault.WRONG_ARRIVAL for n in wrong}), len(cell.poses))
+    devices = (WrappedArm(cell, faults), WrappedCamera(cell, faults), cell, cell)
+    faulty = ComposedCell(*devices, cell.classes, cell.viewpoints, cell.layout, None, poses=cell.poses)
+    table = [[[0.05 + 0.8 * (c == z) for z in range(4)] for c in range(4)]]
+    model = beltsort.SortingModel(cell.classes, cell.viewpoints, [table * 3] * 2)
+    planner = beltsort.Despot(model, trials=20, scenarios=100)
+    with Journal(path) as journal:
+        report = sort_objects(faulty, perception, planner, model, journal, objects=len(TRUE), rules=rules)
+    return report, [entry.data for entry in read_journal(path) if entry.kind == "scan"]
+
+
+def test_decisions_and_beliefs_are_those_of_the_faultless_run(tmp_path: Path, perception: Perception) -> None:
+    faultless = run(tmp_path / "faultless", perception, (), Rules())
+    assert run(tmp_path / "watched", perception, WRONG, Rules()) == faultless
+    unwatched = Rules(arrival_angle=180.0, arrival_distance=1e6)
+    assert run(tmp_path / "unwatched", perception, WRONG, unwatched) != faultless
