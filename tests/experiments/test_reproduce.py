@@ -52,7 +52,7 @@ def test_axes_have_names_and_the_papers_numbers_are_marked(reproduction: Reprodu
 def test_the_report_needs_no_other_file(reproduction: Reproduction) -> None:
     page = reproduction.report.read_text()
     assert not re.search(r"(?:src|href)=['\"](?!data:)", page)
-    assert page.count("data:image/svg+xml") == len(FIGURES)
+    assert page.count("data:image/png;base64,") == len(FIGURES)
     for said in ("a test", "beltsort 0", "processors", "p(observed | true = elongated), position 1"):
         assert said in page
     assert page.rindex("Findings</h2>") > page.rindex("</figure>"), "the findings end it"

@@ -17,7 +17,7 @@ from beltsort.experiments.paper.propagation import propagation_figure
 from beltsort.experiments.paper.run import Results
 from beltsort.experiments.paper.scans import PreparedCell, scan_point, sort_batch
 from beltsort.experiments.paper.sphere import reached_sphere
-from beltsort.experiments.paper.style import FORMATS, save_figure
+from beltsort.experiments.paper.style import save_drawn, save_figure
 from beltsort.experiments.sphere_figure import draw_sphere
 from beltsort.journal import Entry, read_journal
 
@@ -115,6 +115,5 @@ def _of_the_rows(results: Results, discount: float, folder: Path) -> Iterator[Pi
 
 
 def _drawn(draw: Callable[[Path], None], folder: Path, name: str, caption: str) -> Picture:
-    for ending in FORMATS:
-        draw(folder / f"{name}{ending}")
+    save_drawn(draw, folder, name)
     return Picture(name, caption)

@@ -147,9 +147,9 @@ def _observation_tables(counts: Counts) -> list[str]:
 
 
 def _figure(picture: Picture, folder: Path) -> str:
-    data = b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
+    data = b64encode((folder / f"{picture.name}.png").read_bytes()).decode()
     caption = escape(picture.caption)
-    image = f"<img alt='{caption}' src='data:image/svg+xml;base64,{data}'>"
+    image = f"<img alt='{caption}' src='data:image/png;base64,{data}'>"
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 

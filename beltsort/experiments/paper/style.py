@@ -1,6 +1,6 @@
 """How every figure of the report looks: told apart by colour-blind readers, in grey, and in print."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 LINES = ("-", "--", "-.", ":")
 FORMATS = (".png", ".svg")
 DPI = 150
+PALETTE = 128  # colours of a PNG
 PANEL = (3.6, 2.9)  # inches
 ERROR_BARS = f"error bars: {100 * CONFIDENCE:.0f} % confidence intervals of the mean"
 ASIDE = 1.05
@@ -85,12 +86,23 @@ def shared_legend(figure: "Figure", panels: Sequence["Axes"], columns: int = 4) 
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=columns, fontsize=8)
 
 
-def save_figure(figure: "Figure", folder: Path, name: str) -> list[Path]:
-    """Write a figure as PNG and SVG, the same bytes for the same figure."""
+def save_figure(figure: "Figure", folder: Path, name: str) -> None:
+    """Write a figure in every format, the same bytes for the same figure."""
     from matplotlib import rc_context
 
-    paths = [folder / f"{name}{ending}" for ending in FORMATS]
+    def draw(path: Path) -> None:
+        figure.savefig(path, dpi=DPI, metadata={"Date": None} if path.suffix == ".svg" else {})
+
     with rc_context({"svg.hashsalt": name}):
-        for path in paths:
-            figure.savefig(path, dpi=DPI, metadata={"Date": None} if path.suffix == ".svg" else {})
-    return paths
+        save_drawn(draw, folder, name)
+
+
+def save_drawn(draw: Callable[[Path], None], folder: Path, name: str) -> None:
+    """Write what `draw` draws in every format; a PNG gets a palette, which makes it a third of its size."""
+    from PIL import Image
+
+    for path in (folder / f"{name}{ending}" for ending in FORMATS):
+        draw(path)
+        if path.suffix == ".png":
+            drawn = Image.open(path).convert("RGB")
+            drawn.quantize(PALETTE, dither=Image.Dither.NONE).save(path, optimize=True)
