@@ -16,6 +16,7 @@ from tests.sweep import tasks
 from tests.sweep.certificates import make_certificates
 from tests.sweep.cluster_processes import DEADLINE, cluster
 from tests.sweep.test_file import MODEL, PLANNER, load
+from tests.sweep.test_sweep import SCANS
 
 POINTS = 20
 
@@ -47,10 +48,14 @@ def test_a_worker_that_is_killed_loses_and_doubles_no_row(tmp_path: Path) -> Non
     assert notes.read_text() == begun
 
 
+@pytest.mark.parametrize(
+    "text", [f"seeds = 3\n{MODEL}{PLANNER}[tables]\nbatches = 2", SCANS], ids=["tables", "scans"]
+)
 def test_the_command_gives_the_rows_of_this_machine(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    local = load(tmp_path, f"seeds = 3\n{MODEL}{PLANNER}[tables]\nbatches = 2")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    local = load(tmp_path, text)
     with cluster(tmp_path, workers=1) as processes:
         given = ["sweep", str(tmp_path / "sweep.toml"), "--scheduler", processes.address, "--json"]
         assert main(given) == 0
