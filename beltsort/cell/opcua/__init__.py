@@ -3,7 +3,12 @@
 `python -m beltsort.cell.opcua.server` is a reference server; `docs/fieldbus.md` specifies its nodes.
 """
 
+import logging
+
 from beltsort.cell.opcua.device import make
 from beltsort.cell.opcua.options import OpcuaOptions
 
 __all__ = ["OpcuaOptions", "make"]
+
+# What goes wrong is told by `CommandError`; asyncua's own log is for whoever sets logging up.
+logging.getLogger("asyncua").addHandler(logging.NullHandler())
