@@ -1,6 +1,7 @@
 """Positives, negatives and steps against the penalty of a wrong decision: the paper's Fig. 4 to 7."""
 
 from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING
 
 from beltsort.experiments.paper import printed
@@ -108,13 +109,14 @@ def _panels(
 
 
 def _steps(panel: "Axes", shown: Sequence[Row]) -> None:
-    for number, (policy, positions) in enumerate(
-        (policy, positions) for policy in (DESPOT, OPTIMUM, THRESHOLD) for positions in WORDS
-    ):
+    pairs = list(product(enumerate(SHOWN), WORDS))
+    for place, ((number, policy), positions) in enumerate(pairs):
         found = select(shown, policy=policy, positions=positions)
         if found:
-            look = style(number, filled=positions == 1)
-            penalty_curve(panel, found, "steps", number - 2.5, label=f"{policy}, {WORDS[positions]}", **look)
+            alone = positions == 1
+            look = style(number, filled=alone) | {"linestyle": "-" if alone else "--"}
+            aside = place - 0.5 * (len(pairs) - 1)
+            penalty_curve(panel, found, "steps", aside, label=f"{policy}, {WORDS[positions]}", **look)
 
 
 def _printed_steps(panel: "Axes") -> None:
