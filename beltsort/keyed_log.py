@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Self
 from beltsort import BeltsortError
 
 VERSION = 1
+ATTEMPTS = 20  # at a file that others are making
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS settings (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS {table}
@@ -55,7 +56,7 @@ class KeyedLog:
         self.path = path
         with self._failing_as("opened"):
             self._database = sqlite3.connect(path or ":memory:", isolation_level=None)
-            self._database.execute("PRAGMA journal_mode=WAL")
+            self._write_ahead()
             self._database.execute("PRAGMA synchronous=FULL")
             self._database.executescript(SCHEMA.format(table=self.table, column=self.contents))
             self._check({"version": str(VERSION), **(settings or {})})
@@ -86,6 +87,22 @@ class KeyedLog:
     ) -> None:
         """Close the file."""
         self.close()
+
+    def _write_ahead(self) -> None:
+        """Use a write-ahead log; a new file that another process is making is waited for.
+
+        Transactions wait for a lock, as long as `sqlite3.connect` says; this pragma does not.
+        """
+        for _ in range(ATTEMPTS):
+            try:
+                self._database.execute("PRAGMA journal_mode=WAL")
+                return
+            except sqlite3.OperationalError as reason:
+                if reason.sqlite_errorcode != sqlite3.SQLITE_BUSY:
+                    raise
+            self._database.execute("BEGIN IMMEDIATE")
+            self._database.execute("COMMIT")
+        raise sqlite3.OperationalError("others keep it locked")
 
     def _check(self, settings: Mapping[str, str]) -> None:
         """Write the settings into a new log, compare them with those of an old one."""

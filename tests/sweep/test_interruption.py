@@ -49,8 +49,7 @@ def test_what_was_finished_is_not_done_again(tmp_path: Path, ending: signal.Sign
     script = [sys.executable, "-m", "tests.sweep.gated_run", str(tmp_path)]
     process = subprocess.Popen(script, stderr=subprocess.DEVNULL)
     try:
-        # In this order: a store that is being made is not to be opened by another.
-        wait_for(lambda: len(notes(tmp_path)) == ALL and finished(tmp_path) == FREE)
+        wait_for(lambda: finished(tmp_path) == FREE and len(notes(tmp_path)) == ALL)
         process.send_signal(ending)
         assert process.wait(DEADLINE) == -ending  # though two points would wait for a minute
     finally:

@@ -1,5 +1,7 @@
 """Labels on the disk."""
 
+import sqlite3
+import threading
 from pathlib import Path
 
 import pytest
@@ -36,6 +38,19 @@ def test_another_file_is_refused(tmp_path: Path) -> None:
     for path in (tmp_path / "text", tmp_path, tmp_path / "missing" / "labels"):
         with pytest.raises(RecordingError, match="cannot be opened"):
             LabelLog(path)
+
+
+def test_a_file_that_another_process_makes_is_waited_for(tmp_path: Path) -> None:
+    path = tmp_path / "model.labels"
+    other = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+    other.execute("CREATE TABLE unrelated (x)")
+    other.execute("BEGIN IMMEDIATE")
+    soon = threading.Timer(0.2, other.execute, ["COMMIT"])
+    soon.start()
+    with LabelLog(path) as log:
+        log.append({"a": (1,)})
+    soon.join()
+    assert LabelLog(path).labels() == {"a": (1,)}
 
 
 def test_only_what_is_missing_is_labelled() -> None:
