@@ -17,7 +17,7 @@ from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamer
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
 from beltsort.perception import Finding, segment
-from tests.contract.peer import Peer
+from tests.contract.peer import SeeingPeer
 from tests.contract.record import SPOILT, replayed
 
 SEED = 7
@@ -46,10 +46,9 @@ class Upcoming(FaultPlan):
         return self.waiting.pop(command, None)
 
 
-class InProcessPeer(Peer):
+class InProcessPeer(SeeingPeer):
     """A back-end behind the faults that a cell file can ask for."""
 
-    camera = True
     viewpoints = 2
 
     def refresh(self) -> None:

@@ -27,7 +27,6 @@ class Peer(ABC):
 
     actuators: ClassVar[Sequence[str]]
     """Of "arm", "belt" and "sorter"; "arm by action" is another way to command the arm."""
-    camera: ClassVar[bool]
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -70,19 +69,23 @@ class Peer(ABC):
 
     @abstractmethod
     def mend(self) -> None:
-        """Undo `fill` and `spoil`."""
+        """Let the next sort find room in its bin."""
 
     @abstractmethod
     def heard(self) -> None:
         """Undo `lose`: answers arrive again."""
 
+
+class SeeingPeer(Peer):
+    """A back-end with a camera, whose scans `mend` mends too."""
+
     def now(self) -> float:
         """Return a time on the cell's clock that scans must not be earlier than."""
         return 0.0
 
+    @abstractmethod
     def spoil(self, kind: str) -> None:
         """Let scans be "stale", "empty", "nan" or "truncated"."""
-        raise NotImplementedError
 
     def perceive(self, scan: Scan) -> None:
         """Refuse a scan that shows nothing, as perception does."""

@@ -1,6 +1,7 @@
 """Back-ends under contract: how a test starts one, hurts it, and connects to it.
 
-A new back-end joins by a class in `EVERY`: a `Peer`, or a `ProcessPeer` if it is a process of its own.
+A new back-end joins by a class in `EVERY`: a `Peer`, which is a `SeeingPeer` if it has a camera,
+and a `ProcessPeer` if it is a process of its own.
 """
 
 import json
@@ -39,7 +40,6 @@ class ServerPeer(ProcessPeer):
     """A reference server in a process of its own, on a free port of 127.0.0.1."""
 
     actuators = ("belt", "sorter")
-    camera = False
     module: ClassVar[str]
     secure: ClassVar[bool]
 

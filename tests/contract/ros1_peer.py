@@ -7,16 +7,15 @@ from typing import Any
 from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig, require_ros
-from tests.contract.peer import ProcessPeer
+from tests.contract.peer import ProcessPeer, SeeingPeer
 
 SLOW = {"arm": {"speed": 0.5}, "belt": {"travel": 1.0}, "sorter": {"sort": 1.0}}
 
 
-class Ros1Peer(ProcessPeer):
+class Ros1Peer(SeeingPeer, ProcessPeer):
     """The peer of tests/cell/ros1."""
 
     actuators = ("arm", "arm by action", "belt", "sorter")
-    camera = True
 
     def __init__(self, folder: Path) -> None:
         require_ros()

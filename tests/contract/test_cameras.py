@@ -12,16 +12,17 @@ from tests.account import Account
 from tests.contract.bench import named
 from tests.contract.conftest import Pool
 from tests.contract.in_process import SPOILING, ReplayPeer
-from tests.contract.peer import Peer, ProcessPeer
+from tests.contract.peer import Peer, SeeingPeer
 from tests.contract.peers import EVERY, PROCESSES
+from tests.contract.ros1_peer import Ros1Peer
 
 
 def cameras(kinds: Iterable[type[Peer]]) -> pytest.MarkDecorator:
-    seeing = [kind for kind in kinds if kind.camera]
+    seeing = [kind for kind in kinds if issubclass(kind, SeeingPeer)]
     return pytest.mark.parametrize("kind", seeing, ids=named)
 
 
-def looked(peer: Peer, camera: DepthCamera, not_before: float, timeout: float) -> Scan:
+def looked(peer: SeeingPeer, camera: DepthCamera, not_before: float, timeout: float) -> Scan:
     """Return a scan that the loop would take."""
     scan = camera.scan(not_before=not_before, timeout=timeout)
     if scan.stamp < not_before:
@@ -33,7 +34,7 @@ def looked(peer: Peer, camera: DepthCamera, not_before: float, timeout: float) -
 @cameras(EVERY)
 @pytest.mark.parametrize("fault", SPOILING)
 def test_a_scan_that_cannot_be_used_is_not_taken(
-    kind: type[Peer], fault: str, pool: Pool, account: Account
+    kind: type[SeeingPeer], fault: str, pool: Pool, account: Account
 ) -> None:
     peer = pool.ready(kind)
     now = peer.now()
@@ -54,7 +55,7 @@ def test_a_scan_that_cannot_be_used_is_not_taken(
 
 @cameras(PROCESSES)
 def test_a_camera_that_is_killed_or_hangs_gives_no_scan(
-    kind: type[ProcessPeer], pool: Pool, account: Account
+    kind: type[Ros1Peer], pool: Pool, account: Account
 ) -> None:
     peer = pool.ready(kind)
     camera = peer.ready("camera")
