@@ -86,6 +86,7 @@ class CellRun:
             planner,
             self.model,
             objects=description.objects,
+            belt_ends=description.belt_ends,
             rules=description.rules,
             operator=operator,
             drift=description.drift,

@@ -15,9 +15,10 @@ from collections.abc import Callable
 from dataclasses import asdict
 
 from beltsort.cell import Actuator, Cell, CommandError, EmergencyStopError, Outcome
+from beltsort.command import Command
 from beltsort.errors import CellError
 from beltsort.packml import State
-from beltsort.progress import Command, Progress
+from beltsort.progress import Progress
 from beltsort.record import Record
 from beltsort.rules import Rules
 

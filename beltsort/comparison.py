@@ -175,6 +175,7 @@ def compare(
     truth: SortingModel | None = None,
     max_looks: int = 60,
     reference: Solution | None = None,
+    belt_ends: bool = False,
     baseline: str | None = None,
     metrics: Sequence[str] | None = None,
 ) -> Comparison:
@@ -186,7 +187,7 @@ def compare(
 
     Parameters
     ----------
-    model, batches, batch_size, seed, threads, viewpoint, true_classes, truth, max_looks, reference
+    model, batches, batch_size, seed, threads, viewpoint, true_classes, truth, max_looks, reference, belt_ends
         As `evaluate` takes them.
     policies
         At least two policies by name: whatever `evaluate` accepts.
@@ -233,6 +234,7 @@ def compare(
             truth=truth,
             max_looks=max_looks,
             reference=reference,
+            belt_ends=belt_ends,
         )
         for name, policy in policies.items()
     }

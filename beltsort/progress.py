@@ -10,6 +10,7 @@ from enum import Enum
 from typing import Any
 
 from beltsort._core import Belief, SortingModel
+from beltsort.command import Command
 from beltsort.drift_state import DriftState
 from beltsort.errors import JournalError
 from beltsort.journal import Entry
@@ -44,31 +45,6 @@ def model_of(entries: Sequence[Entry]) -> SortingModel:
     return SortingModel.from_json(first.data["model"])
 
 
-@dataclass(frozen=True)
-class Command:
-    """An actuator command.
-
-    Attributes
-    ----------
-    id
-        Unique for the device; a repeated command keeps its id.
-    name
-        `move`, `sort` or `advance`.
-    target
-        Viewpoint, bin or object at the belt end.
-    boot_id
-        Of the device when it was first sent.
-    arriving
-        Whether it only brings the camera to where the planner takes it to be: no planner step, and no look.
-    """
-
-    id: str
-    name: str
-    target: int
-    boot_id: str
-    arriving: bool = False
-
-
 @dataclass
 class Progress:
     """What the loop knows.
@@ -83,6 +59,8 @@ class Progress:
         Name of the run, part of its commands' ids.
     objects
         Belt places to work through.
+    belt_ends
+        Whether nothing follows them, which the belief then knows.
     index
         Number of the object at the belt end.
     viewpoint
@@ -117,6 +95,7 @@ class Progress:
     belief: Belief
     run: str = ""
     objects: int = 0
+    belt_ends: bool = False
     index: int = 0
     viewpoint: int = 0
     arrived: bool = False
@@ -158,6 +137,11 @@ class Progress:
         return self.index >= self.objects and self.pending is None
 
     @property
+    def remaining(self) -> int | None:
+        """Places left to decide, the one at the belt end included; None on a belt that never ends."""
+        return self.objects - self.index if self.belt_ends else None
+
+    @property
     def taken(self) -> bool:
         """Whether the object at the belt end has been sorted."""
         decided = bool(self.decisions) and self.decisions[-1].object == self.index
@@ -177,6 +161,8 @@ class Progress:
 
     def _start(self, data: dict[str, Any]) -> None:
         self.run, self.objects = data["run"], data["objects"]
+        self.belt_ends = data.get("belt_ends", False)  # older files do not tell
+        self.belief = Belief(self.model, remaining=self.remaining)
         self.drift.begin(self.model, data.get("drift"))
 
     def _resume(self, data: dict[str, Any]) -> None:
@@ -217,7 +203,7 @@ class Progress:
     def _scan(self, data: dict[str, Any]) -> None:
         self.glances, self.strays = self.glances + 1, 0
         self.drift.see(self.belief, data["viewpoint"], data["labels"])
-        self.belief = Belief(self.model, data["belief"], data["last_labels"])
+        self._believe(data)
         dropped = {drop["position"] for drop in data["dropped"]}
         for position, (seen, label) in enumerate(zip(self.visible, data["labels"], strict=True)):
             seen.looks += 1
@@ -225,6 +211,9 @@ class Progress:
             if label is not None:
                 seen.impossible = seen.impossible + 1 if position in dropped else 0
         self.owed = Owed.CHOICE
+
+    def _believe(self, data: dict[str, Any]) -> None:
+        self.belief = Belief(self.model, data["belief"], data["last_labels"], self.remaining)
 
     def _bad_scan(self, _data: dict[str, Any]) -> None:
         self.glances += 1
@@ -263,7 +252,7 @@ class Progress:
     def _snapshot(self, data: dict[str, Any]) -> None:
         for name in _PLAIN:
             setattr(self, name, data.get(name, getattr(self, name)))  # older files know fewer
-        self.belief = Belief(self.model, data["belief"], data["last_labels"])
+        self._believe(data)
         self.owed = Owed(data["owed"])
         self.pending = None if data["pending"] is None else Command(**data["pending"])
         self.visible = [Seen(**seen) for seen in data["visible"]]
@@ -272,7 +261,7 @@ class Progress:
 
 
 _PLAIN = (
-    *("run", "objects", "index", "viewpoint", "arrived"),
+    *("run", "objects", "belt_ends", "index", "viewpoint", "arrived"),
     *("steps", "commands", "glances", "strays", "stopped", "bin"),
 )
 

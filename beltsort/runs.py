@@ -50,6 +50,7 @@ def sort_into(
     model: SortingModel,
     *,
     objects: int,
+    belt_ends: bool = False,
     rules: Rules | None = None,
     operator: Operator = nobody,
     drift: Drift | None = None,
@@ -65,6 +66,7 @@ def sort_into(
         return sort_objects(
             *(cell, perceive, policy, model, journal),
             objects=objects,
+            belt_ends=belt_ends,
             rules=rules,
             operator=operator,
             drift=drift,

@@ -31,6 +31,7 @@ def sort_objects(
     journal: Journal,
     *,
     objects: int,
+    belt_ends: bool = False,
     rules: Rules | None = None,
     operator: Operator = nobody,
     drift: Drift | None = None,
@@ -54,6 +55,9 @@ def sort_objects(
     objects
         Belt places to work through, object 0 standing at the belt end now. An empty one is skipped: when
         `Rules.empty_looks` says so or, if the model has a class for empty cups, when that is decided.
+    belt_ends
+        Whether nothing follows these objects. The policy is then asked with beliefs that tell how many places
+        are left (`Belief.remaining`); planners look longer at the last ones, as nothing waits behind them.
     rules
         Limits; default `Rules()`.
     operator
@@ -78,6 +82,7 @@ def sort_objects(
         "start",
         run=uuid4().hex[:8],
         objects=objects,
+        belt_ends=belt_ends,
         model=model.to_json(),
         planner=_settings(policy),
         beltsort=beltsort.__version__,

@@ -58,6 +58,8 @@ class CellDescription(Section):
     """The sorter's number of the bin for undecided objects; none if missing."""
     objects: PositiveInt = 10
     """How many belt places a run works through."""
+    belt_ends: bool = False
+    """Whether nothing follows them: planners then take their time with the last ones."""
     model: str | None = None
     """Model file (JSON), tables included."""
     classifier: str | None = None

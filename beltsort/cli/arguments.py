@@ -89,6 +89,11 @@ def add_simulation(parser: ArgumentParser) -> None:
         help="a solution (`beltsort solve -o`) to measure regret against",
     )
     parser.add_argument(
+        "--belt-ends",
+        action="store_true",
+        help="the belt ends with the batch, and planners know how many objects are left",
+    )
+    parser.add_argument(
         "--true-classes", metavar="A,B", help="draw objects uniformly from these classes (names or indices)"
     )
 
@@ -101,6 +106,7 @@ def simulation_of(arguments: Namespace, model: SortingModel) -> dict[str, Any]:
         "seed": arguments.seed,
         "threads": arguments.threads,
         "true_classes": parse_classes(arguments.true_classes, model),
+        "belt_ends": arguments.belt_ends,
         "reference": None if arguments.reference is None else Solution.load(arguments.reference, model),
     }
 

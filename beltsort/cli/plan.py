@@ -34,6 +34,12 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument(
         "--viewpoint", metavar="P", help="where the camera stands (default: at the last scan, else the first)"
     )
+    parser.add_argument(
+        "--remaining",
+        type=int,
+        metavar="N",
+        help="objects left, the one at the belt end included (default: the belt never ends)",
+    )
     add_budget(parser)
     parser.add_argument("--scenarios", type=int, default=500, metavar="N", help="default: 500")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the scenarios (default: 0)")
@@ -48,7 +54,7 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: Namespace) -> int:
     """Observe, plan and print."""
     model = load_model(arguments)
-    belief, viewpoint = Belief(model), 0
+    belief, viewpoint = Belief(model, remaining=arguments.remaining), 0
     for scan in arguments.observe:
         viewpoint, labels = parse_scan(scan, model)
         belief.observe(viewpoint, labels)

@@ -12,8 +12,8 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.cells import add_cell, tell_pretence
 from beltsort.cli.output import print_json, tell
 from beltsort.cli.watching import listening, stages
+from beltsort.command import Command
 from beltsort.commander import HeldError, Operator
-from beltsort.progress import Command
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -49,6 +49,14 @@ def test_plan_says_the_same_as_the_library() -> None:
     assert result["trials"] == 30
 
 
+def test_plan_for_a_belt_that_ends() -> None:
+    model = beltsort.SortingModel.load(PAPER)
+    expected = beltsort.Despot(model, trials=30).plan(beltsort.Belief(model, remaining=1), 0)
+    result = json_of("plan", PAPER, "--remaining", "1", "--trials", "30")
+    assert [entry["value"] for entry in result["values"]] == list(expected.values.values())
+    assert result["certified_upper"] < model.r_max
+
+
 def test_plan_in_words() -> None:
     text = output("plan", PAPER, "--viewpoint", "p2", "--trials", "20")
     assert "The camera stands at p2." in text

@@ -38,6 +38,14 @@ def test_compare_in_words() -> None:
     assert "Made by: beltsort compare" in text
 
 
+def test_a_belt_that_ends() -> None:
+    model = SortingModel.load(PAPER)
+    expected = evaluate(model, Despot(model, trials=2), batches=5, batch_size=2, belt_ends=True)
+    options = ["--policies", "despot:2", "threshold:0.9", "--batches", "5", "--batch-size", "2"]
+    result = json_of("compare", PAPER, *options, "--belt-ends")
+    assert result["summary"]["despot:2"] == expected.summary()
+
+
 def test_a_saved_solution_is_a_policy(tmp_path: Path) -> None:
     path = tmp_path / "paper.solution"
     solution = solve(SortingModel.load(PAPER), seconds=0.3)

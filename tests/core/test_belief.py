@@ -179,6 +179,19 @@ def test_a_belief_is_rebuilt_from_its_record() -> None:
     assert again == belief
 
 
+def test_objects_left_are_counted_down() -> None:
+    model = random_model(0)
+    belief = Belief(model, remaining=2)
+    assert belief != Belief(model)
+    assert repr(belief).endswith("], remaining=2)")
+    belief.advance()
+    assert belief.remaining == 1
+    assert belief.copy().remaining == 1
+    belief.observe(0, [1, 0])
+    assert belief == Belief(model, belief.probabilities, remaining=1)
+    assert Belief(model).remaining is None
+
+
 def test_without_repeats_nothing_is_remembered(paper: SortingModel) -> None:
     belief = Belief(paper)
     belief.observe(0, [0, 0])

@@ -160,6 +160,15 @@ def test_second_looks_repeat_as_often_as_the_truth_says() -> None:
     assert np.bincount(labels[:, 5]) / 2000 == pytest.approx(1 / 3, abs=0.05)
 
 
+@pytest.mark.parametrize("belt_ends", [True, False])
+def test_beliefs_tell_where_the_belt_ends(belt_ends: bool) -> None:
+    model = random_model(0)
+    policy = Recorded(LookThenDecide())
+    evaluate(model, policy, batches=1, batch_size=2, belt_ends=belt_ends)
+    told = [belief.remaining for belief, _ in policy.asked]
+    assert told == ([2, 2, 1, 1] if belt_ends else [None] * 4)
+
+
 def test_a_scan_from_where_the_camera_stands_follows_a_decision() -> None:
     model = random_model(0, repeat=0.5, observe_after_decision=True)
     policy = Recorded(LookThenDecide(viewpoint=1))

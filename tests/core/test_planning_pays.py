@@ -115,3 +115,14 @@ def test_an_empty_cup_is_a_class_like_another() -> None:
     assert plans[1].action == Decide(2)
     results = [evaluate(p.model, p, batches=10) for p in policies]
     assert results[0].returns.tolist() == results[1].returns.tolist()
+
+
+def test_the_end_of_the_belt(paper: SortingModel) -> None:
+    truth = paper.replace(r_min=5)
+    planner = Despot(truth, **BUDGET)
+    endless, ending = (
+        evaluate(truth, planner, batches=100, seed=1, belt_ends=belt_ends).expected_discounted_returns
+        for belt_ends in (False, True)
+    )
+    gain = ending - endless
+    assert gain.mean() > 5 * gain.std(ddof=1) / np.sqrt(gain.size)

@@ -121,7 +121,7 @@ def run(folder: Path, point: str, *, resume: bool) -> SortingReport:
     with Journal(path, listener, resume=resume) as journal:
         if resume:
             return resume_sorting(world, perceive, planner(), journal)
-        return sort_objects(world, perceive, planner(), MODEL, journal, objects=OBJECTS)
+        return sort_objects(world, perceive, planner(), MODEL, journal, objects=OBJECTS, belt_ends=True)
 
 
 if __name__ == "__main__":

@@ -8,9 +8,9 @@ import pytest
 
 import beltsort
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
+from beltsort.command import Command
 from beltsort.commander import HeldError, Operator, nobody
 from beltsort.journal import Entry, Journal, read_journal
-from beltsort.progress import Command
 from beltsort.report import SortingReport
 from beltsort.sorter import resume_sorting, sort_objects
 from tests.loop.scripted_cell import ScriptedCell, scripted

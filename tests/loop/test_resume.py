@@ -80,10 +80,11 @@ def test_a_run_in_small_files_is_resumed_from_the_last_of_them(
     world = FileWorld(tmp_path / "world.sqlite")
     path = tmp_path / "journal.sqlite"
     with Journal(path, largest=20_000, keep=1) as journal:
-        report = sort_objects(world, perceive, planner(), MODEL, journal, objects=OBJECTS)
+        report = sort_objects(world, perceive, planner(), MODEL, journal, objects=OBJECTS, belt_ends=True)
     assert report == uninterrupted[0]
     entries = read_journal(path)
     assert entries[0].kind == "snapshot"
     progress = progress_in(path)
     assert (progress.steps, progress.index, progress.done) == (report.steps, OBJECTS, True)
+    assert progress.belief.remaining == 0
     assert 0 < len(progress.decisions) < OBJECTS

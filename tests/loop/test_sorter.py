@@ -14,6 +14,7 @@ from beltsort.policy import Policy
 from beltsort.report import SortingReport
 from beltsort.rules import Rules
 from beltsort.sorter import sort_objects
+from tests.core.policies import Recorded
 from tests.loop.scripted_cell import EMPTY, UNUSABLE, Glimpse, ScriptedCell, scripted
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json")
@@ -57,6 +58,7 @@ def run(
     policy: Policy,
     objects: int,
     rules: Rules | None = None,
+    belt_ends: bool = False,
 ) -> tuple[SortingReport, list[Entry]]:
     path = tmp_path / "journal.sqlite"
     with Journal(path) as journal:
@@ -67,6 +69,7 @@ def run(
             cell.model,
             journal,
             objects=objects,
+            belt_ends=belt_ends,
             rules=rules,
         )
     return report, read_journal(path)
@@ -247,6 +250,14 @@ def test_a_journalled_belief_can_be_rebuilt(tmp_path: Path) -> None:
     expected.observe(1, [1, 0])
     scan = next(entry.data for entry in entries if entry.kind == "scan")
     assert Belief(model, scan["belief"], scan["last_labels"]) == expected
+
+
+@pytest.mark.parametrize("belt_ends", [True, False])
+def test_the_policy_knows_where_the_belt_ends(tmp_path: Path, belt_ends: bool) -> None:
+    policy = Recorded(LookOnceEach())
+    run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), policy, objects=3, belt_ends=belt_ends)
+    told = [belief.remaining for belief, _ in policy.asked]
+    assert told == ([3, 3, 2, 2, 1, 1] if belt_ends else [None] * 6)
 
 
 def test_an_empty_cup_is_decided_and_passed_over(tmp_path: Path) -> None:

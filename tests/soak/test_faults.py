@@ -16,11 +16,11 @@ from beltsort.cell.composed import ComposedCell
 from beltsort.cell.wrappers.fault_kinds import Fault
 from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
+from beltsort.command import Command
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
 from beltsort.journal import Entry, Journal
 from beltsort.models import paper
-from beltsort.progress import Command
 from beltsort.report import SortingReport
 from beltsort.sorter import resume_sorting, sort_objects
 from tests.account import Account

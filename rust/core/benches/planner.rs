@@ -66,6 +66,7 @@ fn simulation(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
         batches: BATCHES,
         batch_size: 10,
         seed: 0,
+        belt_ends: false,
         viewpoint: 0,
         true_classes: TrueClasses::Arrival,
         reference: None,

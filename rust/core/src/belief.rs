@@ -10,6 +10,7 @@ pub(crate) use memory::Memory;
 
 use crate::error::{Error, Result, argument_error};
 use crate::model::{SortingModel, distribution};
+use crate::remaining::Remaining;
 
 /// A row that misses 1 by no more than this is a belief's own, written down: it is taken as it is, to the last bit.
 const ROUNDING: f64 = 1e-12;
@@ -24,6 +25,7 @@ pub struct Belief {
     /// Column j is the distribution of position j, so a position's entries are contiguous: shape (L, H).
     probabilities: DMatrix<f64>,
     memory: Memory,
+    remaining: Remaining,
 }
 
 impl Belief {
@@ -34,6 +36,7 @@ impl Belief {
         Self {
             probabilities: DMatrix::from_fn(model.class_count(), model.position_count(), |c, _| arrival[c]),
             memory: Memory::new(model),
+            remaining: Remaining::ENDLESS,
         }
     }
 
@@ -60,7 +63,7 @@ impl Belief {
                 column /= sum;
             }
         }
-        Ok(Self { probabilities, memory: Memory::new(model) })
+        Ok(Self { probabilities, memory: Memory::new(model), remaining: Remaining::ENDLESS })
     }
 
     /// The same belief after other last labels, `rows[position][viewpoint]`; those that the model cannot repeat are
@@ -70,6 +73,18 @@ impl Belief {
     /// [`Error::Argument`] if the shape is not (H, K) or a label does not exist.
     pub fn with_last_labels(self, model: &SortingModel, rows: &[Vec<Option<usize>>]) -> Result<Self> {
         Ok(Self { memory: Memory::from_rows(model, rows)?, ..self })
+    }
+
+    /// The same belief about a belt that ends: so many objects are left to decide, the one at the belt end included.
+    #[must_use]
+    pub fn ending_after(self, objects: usize) -> Self {
+        Self { remaining: Remaining(Some(objects)), ..self }
+    }
+
+    /// Objects left to decide, the one at the belt end included; `None` for a belt that never ends.
+    #[must_use]
+    pub fn remaining(&self) -> Option<usize> {
+        self.remaining.0
     }
 
     /// The distribution of one position, length L.
@@ -88,6 +103,12 @@ impl Belief {
     #[must_use]
     pub fn as_slice(&self) -> &[f64] {
         self.probabilities.as_slice()
+    }
+
+    /// The same of the positions at which objects are left to decide.
+    pub(crate) fn visible(&self) -> &[f64] {
+        let (positions, classes) = self.shape();
+        &self.as_slice()[..self.remaining.visible(positions) * classes]
     }
 
     /// Number of positions H and of classes L.
@@ -194,6 +215,17 @@ impl Belief {
     /// where it was: last labels are forgotten.
     pub fn advance(&mut self, model: &SortingModel) {
         shift(model, self.probabilities.as_mut_slice(), &mut self.memory);
+        self.remaining = self.remaining.after(1);
+    }
+
+    /// All positions one after the other, and the objects left to decide: what bounds of the value depend on.
+    pub(crate) fn known(&self) -> (&[f64], Remaining) {
+        (self.as_slice(), self.remaining)
+    }
+
+    /// Objects left to decide.
+    pub(crate) fn horizon(&self) -> Remaining {
+        self.remaining
     }
 
     /// The last labels.
@@ -201,11 +233,14 @@ impl Belief {
         &self.memory
     }
 
-    /// Check that this belief has the model's shape.
+    /// Check that this belief has the model's shape, and that there is something to plan for.
     ///
     /// # Errors
-    /// [`Error::Argument`] naming both shapes.
+    /// [`Error::Argument`] naming both shapes, or that no object is left to decide.
     pub fn check_fits(&self, model: &SortingModel) -> Result<()> {
+        if self.remaining.is_over() {
+            return argument_error("the belief has remaining = 0: no object is left to decide; stop here");
+        }
         let expected = (model.position_count(), model.class_count());
         if self.shape() == expected && self.memory.fits(model) {
             return Ok(());

@@ -6,6 +6,7 @@ mod look;
 use crate::belief::most_likely;
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
+use crate::remaining::Remaining;
 
 pub(crate) use foresight::Foresight;
 pub(crate) use look::{Look, Sighting, looks};
@@ -14,25 +15,49 @@ pub(crate) use look::{Look, Sighting, looks};
 ///
 /// For a model that repeats looks it is an estimate only: the plans take labels as independent.
 #[inline(always)]
-pub(crate) fn lower(model: &SortingModel, policy: &OneObjectPolicy, belief: &[f64], viewpoint: usize) -> f64 {
-    policy.value(model, belief, viewpoint)
+pub(crate) fn lower(
+    model: &SortingModel,
+    policy: &OneObjectPolicy,
+    (belief, remaining): (&[f64], Remaining),
+    viewpoint: usize,
+) -> f64 {
+    policy.value(model, (belief, remaining), viewpoint)
 }
 
 /// Upper bound of V*: from the second step on, every class is known and each step earns `r_max` and the largest bonus.
 ///
-/// Now, the best is to decide on what is known, or to pay for the cheapest move.
-pub(crate) fn upper(model: &SortingModel, belief: &[f64], viewpoint: usize) -> f64 {
-    upper_knowing(model, viewpoint)(most_likely(&belief[..model.class_count()]).1)
+/// Now, the best is to decide on what is known, or to pay for the cheapest move. Nothing follows the last object.
+pub(crate) fn upper(model: &SortingModel, (belief, remaining): (&[f64], Remaining), viewpoint: usize) -> f64 {
+    if remaining.is_over() {
+        return 0.0;
+    }
+    upper_knowing(model, viewpoint, remaining)(most_likely(&belief[..model.class_count()]).1)
 }
 
 /// The same where the most likely class at the belt end has probability `p_right`.
 #[inline(always)]
-pub(crate) fn upper_knowing(model: &SortingModel, viewpoint: usize) -> impl Fn(f64) -> f64 + '_ {
-    let all_right = (model.spec().r_max + most_bonus(model)) / (1.0 - model.discount());
+pub(crate) fn upper_knowing(
+    model: &SortingModel,
+    viewpoint: usize,
+    remaining: Remaining,
+) -> impl Fn(f64) -> f64 + '_ {
     let moves = model.legal_moves(viewpoint).iter();
     let cheapest = moves.map(|&to| model.motion_cost(viewpoint, to)).fold(f64::INFINITY, f64::min);
-    let later = most_bonus(model) + model.discount() * all_right;
-    move |p_right| model.decision_reward(p_right).max(-cheapest) + later
+    let bonus = most_bonus(model);
+    let known = |remaining: Remaining| model.discount() * all_known(model, remaining, bonus);
+    let (after_decision, after_move) = (known(remaining.after(1)), known(remaining) - cheapest);
+    move |p_right| bonus + (model.decision_reward(p_right) + after_decision).max(after_move)
+}
+
+/// What is earned at most once every class is known, if every scan earns the largest bonus all the same.
+fn all_known(model: &SortingModel, remaining: Remaining, bonus: f64) -> f64 {
+    if remaining.is_over() {
+        return 0.0;
+    }
+    let endless = 1.0 / (1.0 - model.discount());
+    let left = remaining.0.and_then(|objects| i32::try_from(objects).ok());
+    let decisions = left.map_or(endless, |objects| (1.0 - model.discount().powi(objects)) * endless);
+    model.spec().r_max * decisions + bonus * endless
 }
 
 /// The largest bonus of a scan: all entropy of all positions.

@@ -43,6 +43,7 @@ use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
 use crate::planes;
 use crate::reference::{Certificate, Solution};
+use crate::remaining::Remaining;
 use crate::scenario::Randoms;
 use crate::tree::{Child, Place, Values, id, indices};
 
@@ -176,7 +177,7 @@ impl Despot {
             scenario_steps: 0,
             nodes: 1,
         };
-        let certified_upper = self.certified_upper(belief.as_slice(), viewpoint);
+        let certified_upper = self.certified_upper(belief.known(), viewpoint);
         search.run(belief, viewpoint);
         Ok(search.into_plan(certified_upper))
     }
@@ -189,13 +190,19 @@ impl Despot {
 
     /// Values of a leaf from unscaled ones: the default policy's, or at best the upper bound after one policy node.
     #[inline(always)]
-    fn leaf(&self, (depth, probability): (usize, f64), value: f64, entropy: f64, upper: f64) -> Values {
+    fn leaf(
+        &self,
+        (depth, probability, remaining): (usize, f64, Remaining),
+        value: f64,
+        entropy: f64,
+        upper: f64,
+    ) -> Values {
         let scale = self.scale(depth, probability);
         let lower = scale * value;
         let upper =
             if depth < self.depth { lower.max(scale * upper - self.config.regularization) } else { lower };
         let prospect = Prospect { mass: scale, value: lower, entropy: scale * entropy };
-        let estimate = (lower + self.shortfall.at(prospect)).min(upper);
+        let estimate = (lower + self.shortfall.at(prospect, remaining)).min(upper);
         Values { lower, upper, estimate }
     }
 }
@@ -233,9 +240,10 @@ impl Search<'_> {
     /// The root, expanded whatever the budget says.
     fn begin(&mut self, belief: &Belief, viewpoint: usize) {
         let Despot { model, default_policy, randoms, .. } = self.despot;
-        let lower = bounds::lower(model, default_policy, belief.as_slice(), viewpoint);
-        let upper = bounds::upper(model, belief.as_slice(), viewpoint);
-        let values = self.despot.leaf((0, 1.0), lower, 0.0, upper);
+        let (known, remaining) = (belief.known(), belief.horizon());
+        let lower = bounds::lower(model, default_policy, known, viewpoint);
+        let upper = bounds::upper(model, known, viewpoint);
+        let values = self.despot.leaf((0, 1.0, remaining), lower, 0.0, upper);
         let root = Child { values, probability: 1.0, ..Child::default() };
         randoms.reach(0, self.parallel);
         self.space.restart(self.despot, (belief, viewpoint), root);

@@ -40,6 +40,7 @@ mod one_object;
 mod planes;
 mod policy;
 mod reference;
+mod remaining;
 mod sampling;
 mod scenario;
 mod simulate;

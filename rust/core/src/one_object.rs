@@ -8,6 +8,7 @@
 //! Viewpoints with the same moves at the same costs are one *group*: in the paper's model there is one.
 
 mod candidates;
+mod following;
 mod plan_set;
 mod solve;
 mod stored;
@@ -15,8 +16,9 @@ mod stored;
 use nalgebra::DVector;
 
 use crate::model::{Action, SortingModel};
-use candidates::Range;
+use crate::remaining::Remaining;
 pub(crate) use candidates::Weighed;
+use following::Following;
 use plan_set::{ConditionalPlan, PlanSet};
 
 /// Plans for one object, and what executing the best of them for ever is worth.
@@ -28,8 +30,7 @@ pub struct OneObjectPolicy {
     plans: Vec<PlanSet>,
     /// Value of starting with an unseen object, per group.
     arrival_values: Vec<f64>,
-    /// What may follow an object, by the number of visible objects behind it.
-    continuations: Vec<Range>,
+    following: Following,
 }
 
 impl OneObjectPolicy {
@@ -55,50 +56,38 @@ impl OneObjectPolicy {
         &self.arrival_values
     }
 
+    /// Value of the objects that have still to arrive, per group.
+    #[inline(always)]
+    pub(crate) fn values_of_unseen(&self, unseen: Remaining) -> &[f64] {
+        self.following.unseen(unseen).unwrap_or(&self.arrival_values)
+    }
+
     /// The best plan for one object from a group, given what follows it.
     #[inline(always)]
     pub(crate) fn best(&self, group: usize, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
         self.plans[group].best(belief, continuation)
     }
 
-    /// `G` and `D_s` at a belief of the plans from a group that may be best before so many visible objects.
+    /// `G` and `D_s` at a belief of the plans from a group that may be best before so many positions, on a belt that
+    /// `ends` or not.
     pub(crate) fn candidates(
         &self,
-        (group, behind): (usize, usize),
+        (group, behind, ends): (usize, usize, bool),
         belief: &[f64],
         found: &mut Vec<f64>,
         weighed: &mut Weighed,
     ) {
-        self.plans[group].candidates(belief, &self.continuations[behind], found, weighed);
-    }
-
-    /// Know what may follow an object, whatever is known of those behind it: no worse than the plan with the best
-    /// worst case, no better than the best plan for the best class.
-    fn bound_continuations(&mut self, positions: usize) {
-        let (mut worst, mut best) = (self.arrival_values.clone(), self.arrival_values.clone());
-        self.continuations.clear();
-        self.plans.iter_mut().for_each(|set| set.settle(&self.arrival_values));
-        for _ in 0..positions {
-            let centre = worst.iter().zip(&best).map(|(a, b)| 0.5 * (a + b)).collect();
-            let radius = worst.iter().zip(&best).map(|(a, b)| 0.5 * (b - a)).collect();
-            self.continuations.push(Range { centre, radius });
-            worst = self.best_over_plans(|plan| plan.values(&worst).fold(f64::INFINITY, f64::min));
-            best = self.best_over_plans(|plan| plan.values(&best).fold(f64::NEG_INFINITY, f64::max));
-        }
-    }
-
-    /// The highest score of any plan, per group.
-    fn best_over_plans(&self, score: impl Fn(&ConditionalPlan) -> f64) -> Vec<f64> {
-        let top = |set: &PlanSet| set.plans().iter().map(&score).fold(f64::NEG_INFINITY, f64::max);
-        self.plans.iter().map(top).collect()
+        self.plans[group].candidates(belief, self.following.range(behind, ends), found, weighed);
     }
 
     /// Value of what follows the object at the belt end, per group: the objects behind it, each by the best plan
     /// for what is known of it *now*. `belief` holds one distribution per position.
     #[inline(always)]
-    fn continuation(&self, belief: &[f64], classes: usize) -> Vec<f64> {
-        let mut worth = self.arrival_values.clone();
-        for position in belief.chunks_exact(classes).skip(1).rev() {
+    fn continuation(&self, (belief, remaining): (&[f64], Remaining), classes: usize) -> Vec<f64> {
+        let positions = belief.len() / classes;
+        let mut worth = self.values_of_unseen(remaining.unseen(positions)).to_vec();
+        let visible = remaining.visible(positions);
+        for position in belief.chunks_exact(classes).take(visible).skip(1).rev() {
             worth = (0..self.group_count()).map(|s| self.best(s, position, &worth).1).collect();
         }
         worth
@@ -109,9 +98,17 @@ impl OneObjectPolicy {
     /// `G(b^1) + D(b^1) (G(b^2) + D(b^2) (... + D(b^H) V_1(arrival)))`: exact for that policy, because the labels
     /// it ignores are independent of those it uses. A lower bound of V* for any H.
     #[inline(always)]
-    pub(crate) fn value(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> f64 {
+    pub(crate) fn value(
+        &self,
+        model: &SortingModel,
+        (belief, remaining): (&[f64], Remaining),
+        viewpoint: usize,
+    ) -> f64 {
         let l = model.class_count();
-        self.best(self.group(viewpoint), &belief[..l], &self.continuation(belief, l)).1
+        if remaining.is_over() {
+            return 0.0;
+        }
+        self.best(self.group(viewpoint), &belief[..l], &self.continuation((belief, remaining), l)).1
     }
 
     /// `G(c)` and `D(c)`, a pair per position, of the plans that [`OneObjectPolicy::value`] executes.
@@ -130,9 +127,14 @@ impl OneObjectPolicy {
     }
 
     /// First action of the plan that [`OneObjectPolicy::value`] executes.
-    pub(crate) fn action(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> Action {
+    pub(crate) fn action(
+        &self,
+        model: &SortingModel,
+        (belief, remaining): (&[f64], Remaining),
+        viewpoint: usize,
+    ) -> Action {
         let l = model.class_count();
-        self.best(self.group(viewpoint), &belief[..l], &self.continuation(belief, l)).0.action
+        self.best(self.group(viewpoint), &belief[..l], &self.continuation((belief, remaining), l)).0.action
     }
 }
 

@@ -112,7 +112,7 @@ impl Policy for OneObject {
     fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
-        Ok(self.plans.action(&self.model, belief.as_slice(), viewpoint))
+        Ok(self.plans.action(&self.model, belief.known(), viewpoint))
     }
 }
 

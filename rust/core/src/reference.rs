@@ -31,6 +31,7 @@ use crate::error::{Result, argument_error};
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
 use crate::policy::Policy;
+use crate::remaining::Remaining;
 use alpha::AlphaVectors;
 use upper::GridBound;
 use watch::{Progress, Watch};
@@ -52,8 +53,8 @@ struct LeafBounds {
 
 impl LeafBounds {
     fn bounds(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> (f64, f64) {
-        let lower = self.policy.value(model, belief, viewpoint);
-        let upper = bounds::upper(model, belief, viewpoint);
+        let lower = self.policy.value(model, (belief, Remaining::ENDLESS), viewpoint);
+        let upper = bounds::upper(model, (belief, Remaining::ENDLESS), viewpoint);
         (
             self.alphas.as_ref().map_or(lower, |alphas| alphas.value(model, belief).max(lower)),
             self.grid.as_ref().map_or(upper, |grid| grid.value(belief).min(upper)),
@@ -175,7 +176,7 @@ impl Policy for Solution {
         let belief = belief.as_slice();
         Ok(match &self.leaves.grid {
             Some(grid) => grid.look_ahead(&self.model, belief, viewpoint).0,
-            None => self.leaves.policy.action(&self.model, belief, viewpoint),
+            None => self.leaves.policy.action(&self.model, (belief, Remaining::ENDLESS), viewpoint),
         })
     }
 }

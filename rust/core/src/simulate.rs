@@ -40,6 +40,8 @@ pub struct EvaluationConfig {
     pub batch_size: usize,
     /// Seed of classes and labels.
     pub seed: u64,
+    /// Whether the belt ends with the batch, and the beliefs that the policy is asked with tell how many objects are left.
+    pub belt_ends: bool,
     /// Where the camera stands when a batch starts.
     pub viewpoint: usize,
     /// The objects.
@@ -77,7 +79,15 @@ fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) 
             return argument_error(format!("{name} = {value}; give at least 1, and less than {MOST}"));
         }
     }
-    config.reference.as_ref().map_or(Ok(()), |reference| reference.check_solves(model))?;
+    if let Some(reference) = &config.reference {
+        reference.check_solves(model)?;
+        if config.belt_ends {
+            return argument_error(
+                "a reference values belts that never end, and belt_ends has the policy plan for one that does; \
+                 leave one of them out",
+            );
+        }
+    }
     let shape = |m: &SortingModel| (m.position_count(), m.viewpoint_count(), m.class_count());
     if shape(model) != shape(truth) {
         return argument_error(format!(

@@ -78,6 +78,20 @@ pub(crate) fn belief_of(model: &SortingModel, weights: &[f64]) -> Belief {
     Belief::from_rows(model, &rows).expect("normalised rows are distributions")
 }
 
+/// A belt that never ends, or ends after one to three objects.
+pub(crate) fn belts() -> impl Strategy<Value = Option<usize>> {
+    prop::option::of(1..=3_usize)
+}
+
+/// Nothing known of the objects on such a belt.
+pub(crate) fn unseen(model: &SortingModel, remaining: Option<usize>) -> Belief {
+    let belief = Belief::new(model);
+    match remaining {
+        Some(objects) => belief.ending_after(objects),
+        None => belief,
+    }
+}
+
 /// Bounds of V* by complete enumeration of `depth` steps, with what any policy can earn at most or least behind.
 pub(crate) fn enumerated_value(
     model: &SortingModel,
@@ -85,6 +99,9 @@ pub(crate) fn enumerated_value(
     viewpoint: usize,
     depth: usize,
 ) -> (f64, f64) {
+    if belief.remaining() == Some(0) {
+        return (0.0, 0.0);
+    }
     if depth == 0 {
         let spec = model.spec();
         let bonus = spec.information_gain * model.position_count() as f64 * (model.class_count() as f64).ln();
@@ -113,7 +130,7 @@ pub(crate) fn enumerated_value(
 
 /// Expectation of [`enumerated_value`] over the labels of a scan.
 fn value_of_scan(model: &SortingModel, belief: &Belief, viewpoint: usize, depth: usize) -> (f64, f64) {
-    all_labels(model).iter().fold((0.0, 0.0), |value, labels| {
+    all_labels(model, model.position_count()).iter().fold((0.0, 0.0), |value, labels| {
         let p = probability(model, belief, viewpoint, labels);
         let mut posterior = belief.clone();
         let seen: Vec<_> = labels.iter().map(|z| Some(*z)).collect();
@@ -123,10 +140,10 @@ fn value_of_scan(model: &SortingModel, belief: &Belief, viewpoint: usize, depth:
     })
 }
 
-/// Every label vector of a scan, for one or two positions.
-pub(crate) fn all_labels(model: &SortingModel) -> Vec<Vec<usize>> {
+/// Every label vector of a scan of one or two objects.
+pub(crate) fn all_labels(model: &SortingModel, objects: usize) -> Vec<Vec<usize>> {
     let l = model.class_count();
-    match model.position_count() {
+    match objects {
         1 => (0..l).map(|z| vec![z]).collect(),
         _ => (0..l * l).map(|z| vec![z / l, z % l]).collect(),
     }

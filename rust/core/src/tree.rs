@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use crate::model::{Action, SortingModel};
+use crate::remaining::Remaining;
 
 /// Scaled values of a belief or an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -111,6 +112,8 @@ pub(crate) struct Node {
     pub decisions: usize,
     /// Where the camera stands.
     pub viewpoint: usize,
+    /// Objects left to decide.
+    pub remaining: Remaining,
     /// As its child's.
     pub probability: f64,
     /// As its child's.
@@ -136,6 +139,7 @@ impl Node {
             let parent = &tree.nodes[node as usize];
             (self.depth, self.decisions, self.viewpoint) = parent.after(parent.edges[edge as usize].action);
         }
+        self.remaining = tree.remaining.after(self.decisions);
         (self.place, self.labels) = (place, child.labels);
         (self.probability, self.default) = (child.probability, child.values.lower);
         self.edges.clear();
@@ -193,6 +197,8 @@ pub(crate) struct Tree {
     pub root: Child,
     /// Where the camera stands at the root.
     pub viewpoint: usize,
+    /// Objects left to decide at the root.
+    pub remaining: Remaining,
     /// Edges to back up, by node and number.
     stale: Vec<(u32, u32)>,
 }

@@ -28,12 +28,15 @@ use crate::model::PySortingModel;
 /// last_labels : array_like of int, shape (H, K), optional
 ///     Last labels since the belt moved, -1 for none, which is what is taken if missing. With both arguments
 ///     a belief is rebuilt from its record. Labels that the model cannot repeat are forgotten.
+/// remaining : int, optional
+///     Objects left to decide, the one at the belt end included; missing for a belt that never ends. Planners
+///     that heed it (`Despot`, `OneObject`) look longer at the last objects, behind which nothing waits.
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     If `probabilities` or `last_labels` has another shape, a row is no distribution, or the model has no
-///     such label.
+///     If `probabilities` or `last_labels` has another shape, a row is no distribution, the model has no
+///     such label, or `remaining` is below 0.
 ///
 /// References
 /// ----------
@@ -77,11 +80,12 @@ impl PyBelief {
 #[pymethods]
 impl PyBelief {
     #[new]
-    #[pyo3(signature = (model, probabilities=None, last_labels=None))]
+    #[pyo3(signature = (model, probabilities=None, last_labels=None, remaining=None))]
     fn new(
         model: &PySortingModel,
         probabilities: Option<&Bound<'_, PyAny>>,
         last_labels: Option<&Bound<'_, PyAny>>,
+        remaining: Option<Whole>,
     ) -> PyResult<Self> {
         let mut belief = match probabilities {
             None => Belief::new(&model.0),
@@ -93,6 +97,13 @@ impl PyBelief {
         if let Some(value) = last_labels {
             let rows = labels_or_none("last_labels", value).map_err(ArgumentError::new_err)?;
             belief = belief.with_last_labels(&model.0, &rows).map_err(to_python)?;
+        }
+        if let Some(objects) = remaining {
+            belief = belief.ending_after(usize::try_from(objects).map_err(|_| {
+                ArgumentError::new_err(format!(
+                    "remaining = {objects}; give the number of objects left, 0 or more, or None for a belt that never ends"
+                ))
+            })?);
         }
         Ok(Self { belief, model: Arc::clone(&model.0) })
     }
@@ -116,6 +127,12 @@ impl PyBelief {
     fn last_labels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
         let shape = (self.model.position_count(), self.model.viewpoint_count());
         Array2::from_shape_fn(shape, |(j, v)| self.last_label(j, v)).into_pyarray(py)
+    }
+
+    /// Objects left to decide, the one at the belt end included; None for a belt that never ends.
+    #[getter]
+    fn remaining(&self) -> Option<usize> {
+        self.belief.remaining()
     }
 
     /// Probability of each label at each position if the camera scanned from a viewpoint.
@@ -174,7 +191,7 @@ impl PyBelief {
     }
 
     /// The belt advances: each position takes over the distribution behind it, the last one the arrival
-    /// prior. Last labels are forgotten.
+    /// prior. Last labels are forgotten, and one object less is left.
     ///
     /// References
     /// ----------
@@ -233,6 +250,8 @@ impl PyBelief {
         } else {
             String::new()
         };
-        format!("Belief([{}]{memory})", rows.join(", "))
+        let remaining =
+            self.belief.remaining().map_or_else(String::new, |objects| format!(", remaining={objects}"));
+        format!("Belief([{}]{memory}{remaining})", rows.join(", "))
     }
 }

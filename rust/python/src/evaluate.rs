@@ -56,7 +56,11 @@ use crate::user_policy::UserPolicy;
 ///     decides never ends.
 /// reference : Solution, optional
 ///     What the actions are held against: its upper bound, one exact step ahead, says what each of them loses
-///     (`Evaluation.regrets`). For one or two positions and viewpoints that are all alike.
+///     (`Evaluation.regrets`). For one or two positions, viewpoints that are all alike, and belts that never
+///     end.
+/// belt_ends : bool
+///     Whether the belt ends with the batch, and the beliefs that the policy is asked with tell how many
+///     objects are left (`Belief.remaining`); `Despot` and `OneObject` heed it.
 ///
 /// Returns
 /// -------
@@ -81,7 +85,7 @@ use crate::user_policy::UserPolicy;
 /// {'mean': 20.0, 'standard_error': 0.0}
 #[pyfunction]
 #[pyo3(signature = (model, policy, *, batches=1000, batch_size=10, seed=0, threads=None, viewpoint=0,
-                    true_classes=None, truth=None, max_looks=60, reference=None))]
+                    true_classes=None, truth=None, max_looks=60, reference=None, belt_ends=false))]
 #[allow(clippy::too_many_arguments)] // the public contract
 pub fn evaluate(
     py: Python<'_>,
@@ -96,11 +100,13 @@ pub fn evaluate(
     truth: Option<&PySortingModel>,
     max_looks: Whole,
     reference: Option<&PySolution>,
+    belt_ends: bool,
 ) -> PyResult<PyEvaluation> {
     let config = EvaluationConfig {
         batches: count("batches", batches)?,
         batch_size: count("batch_size", batch_size)?,
         seed: convert::seed(seed)?,
+        belt_ends,
         viewpoint: index("viewpoint", viewpoint)?,
         true_classes: true_classes.map_or(Ok(TrueClasses::Arrival), classes)?,
         max_looks: count("max_looks", max_looks)?,

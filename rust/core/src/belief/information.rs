@@ -36,13 +36,14 @@ impl Belief {
         information(model, self.position(position).as_slice(), position, viewpoint, last)
     }
 
-    /// The bonus of a scan from `viewpoint`: `alpha` times the entropy that it is expected to take from all positions.
+    /// The bonus of a scan from `viewpoint`: `alpha` times the entropy that it is expected to take from all objects
+    /// that are left to decide.
     #[must_use]
     pub fn bonus(&self, model: &SortingModel, viewpoint: usize) -> f64 {
         let alpha = model.spec().information_gain;
         if alpha > 0.0 {
-            return alpha
-                * (0..model.position_count()).map(|j| self.information(model, j, viewpoint)).sum::<f64>();
+            let visible = self.remaining.visible(model.position_count());
+            return alpha * (0..visible).map(|j| self.information(model, j, viewpoint)).sum::<f64>();
         }
         0.0
     }

@@ -167,7 +167,7 @@ proptest! {
         }
         for viewpoint in 0..model.viewpoint_count() {
             let mut left = 0.0;
-            for labels in all_labels(&model) {
+            for labels in all_labels(&model, model.position_count()) {
                 let mut posterior = belief.clone();
                 let seen: Vec<_> = labels.iter().map(|z| Some(*z)).collect();
                 posterior.observe(&model, viewpoint, &seen).unwrap();

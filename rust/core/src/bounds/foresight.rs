@@ -4,6 +4,7 @@
 
 use super::Look;
 use crate::one_object::{OneObjectPolicy, dot};
+use crate::remaining::Remaining;
 
 /// The plans chosen, each for what is expected of the objects behind its own. The buffers are reused.
 #[derive(Debug, Default)]
@@ -29,6 +30,7 @@ impl Foresight {
         policy: &OneObjectPolicy,
         looks: impl DoubleEndedIterator<Item = &'a Look> + Clone,
         viewpoint: usize,
+        unseen: Remaining,
     ) {
         (self.groups, self.group) = (policy.group_count(), policy.group(viewpoint));
         self.probabilities.clear();
@@ -42,7 +44,7 @@ impl Foresight {
         self.plans.resize(outcomes * self.groups * (1 + self.groups), 0.0);
         self.expected.clear();
         self.expected.resize(outcomes / self.classes * self.groups, 0.0);
-        self.expected.extend(policy.arrival_values());
+        self.expected.extend(policy.values_of_unseen(unseen));
         for (back, look) in looks.rev().enumerate() {
             let position = outcomes / self.classes - 1 - back;
             for label in 0..self.classes {
@@ -76,6 +78,12 @@ impl Foresight {
     /// Expected value of following those plans, over all labels: a lower bound of the value after the scan.
     pub(crate) fn value(&self) -> f64 {
         self.expected[self.group]
+    }
+
+    /// Value of the objects that have still to arrive, per group.
+    #[cfg(test)]
+    pub(super) fn unseen(&self) -> &[f64] {
+        &self.expected[self.expected.len() - self.groups..]
     }
 
     /// What is left to learn about one position after its label, where learning is rewarded.

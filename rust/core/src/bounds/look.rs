@@ -1,7 +1,7 @@
 //! One look at one object, taken apart: every label with its probability, its posterior, and what the default policy
 //! makes of it. Nothing here depends on other objects.
 
-use crate::belief::{Memory, entropy, information, most_likely};
+use crate::belief::{Belief, entropy, information, most_likely};
 use crate::model::SortingModel;
 use crate::one_object::{OneObjectPolicy, Weighed};
 
@@ -44,7 +44,7 @@ impl Look {
         model: &SortingModel,
         policy: &OneObjectPolicy,
         distribution: &[f64],
-        Sighting { position, viewpoint, last }: Sighting,
+        (Sighting { position, viewpoint, last }, ends): (Sighting, bool),
         weighed: &mut Weighed,
     ) {
         self.clear(model, policy);
@@ -58,7 +58,7 @@ impl Look {
             for group in 0..self.groups {
                 let posterior = &self.posteriors[z * self.classes..];
                 if self.probabilities[z] > 0.0 {
-                    policy.candidates((group, behind), posterior, &mut self.plans, weighed);
+                    policy.candidates((group, behind, ends), posterior, &mut self.plans, weighed);
                 }
                 self.ends.push(self.plans.len());
             }
@@ -143,19 +143,21 @@ impl Look {
     }
 }
 
-/// A look at every position from one viewpoint.
+/// A look from one viewpoint at every object that is left at a position.
 pub(crate) fn looks(
     model: &SortingModel,
     policy: &OneObjectPolicy,
-    (belief, memory): (&[f64], &Memory),
+    belief: &Belief,
     viewpoint: usize,
 ) -> Vec<Look> {
+    let ends = belief.horizon().ends();
     let mut weighed = Weighed::default();
     let look = |(position, distribution): (usize, &[f64])| {
         let mut look = Look::default();
-        let last = memory.last(model, position, viewpoint);
-        look.take(model, policy, distribution, Sighting { position, viewpoint, last }, &mut weighed);
+        let last = belief.memory().last(model, position, viewpoint);
+        let sighting = Sighting { position, viewpoint, last };
+        look.take(model, policy, distribution, (sighting, ends), &mut weighed);
         look
     };
-    belief.chunks_exact(model.class_count()).enumerate().map(look).collect()
+    belief.visible().chunks_exact(model.class_count()).enumerate().map(look).collect()
 }

@@ -1,13 +1,14 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::belief::Belief;
-use crate::testing::{all_labels, belief_of, enumerable_models, enumerated_value, seeded, small_models};
+use crate::testing::{
+    all_labels, belief_of, belts, enumerable_models, enumerated_value, seeded, small_models, unseen,
+};
 
 impl Foresight {
     /// Value of following the chosen plans after the given labels, one per position.
-    pub(crate) fn value_after(&self, policy: &OneObjectPolicy, labels: &[usize]) -> f64 {
-        let mut behind = policy.arrival_values().to_vec();
+    pub(crate) fn value_after(&self, labels: &[usize]) -> f64 {
+        let mut behind = self.unseen().to_vec();
         for (j, z) in labels.iter().enumerate().rev() {
             let mut here = behind.clone();
             self.value_from(j, *z, &behind, &mut here);
@@ -24,44 +25,49 @@ proptest! {
     fn bounds_at_exact_beliefs_bracket_the_exact_value(
         model in enumerable_models(),
         weights in prop::collection::vec(0.02..1.0_f64, 6),
+        remaining in belts(),
     ) {
-        let belief = belief_of(&model, &weights);
+        let mut belief = belief_of(&model, &weights);
+        if let Some(objects) = remaining {
+            belief = belief.ending_after(objects);
+        }
         let policy = OneObjectPolicy::solve(&model);
         let (at_least, at_most) = enumerated_value(&model, &belief, 0, 5);
         let (low, high) = (
-            lower(&model, &policy, belief.as_slice(), 0),
-            upper(&model, belief.as_slice(), 0),
+            lower(&model, &policy, belief.known(), 0),
+            upper(&model, belief.known(), 0),
         );
         prop_assert!(low <= at_most + 1e-9, "lower bound {low} above V* <= {at_most}");
         prop_assert!(high >= at_least - 1e-9, "upper bound {high} below V* >= {at_least}");
     }
 
     #[test]
-    fn a_look_taken_apart_sums_up_to_the_whole(spec in small_models()) {
+    fn a_look_taken_apart_sums_up_to_the_whole(spec in small_models(), remaining in belts()) {
         let model = SortingModel::new(spec).unwrap();
         let policy = OneObjectPolicy::solve(&model);
-        let belief = Belief::new(&model);
-        let looks = looks(&model, &policy, (belief.as_slice(), belief.memory()), 0);
+        let belief = unseen(&model, remaining);
+        let looks = looks(&model, &policy, &belief, 0);
         let mut scan = Foresight::default();
-        scan.take(&policy, looks.iter(), 0);
-        let labels = all_labels(&model);
+        scan.take(&policy, looks.iter(), 0, belief.horizon().unseen(model.position_count()));
+        let labels = all_labels(&model, looks.len());
         let probability = |z: &Vec<usize>| -> f64 {
             z.iter().enumerate().map(|(j, z)| scan.probability(j, *z)).product()
         };
         let mass: f64 = labels.iter().map(probability).sum();
-        let value: f64 = labels.iter().map(|z| probability(z) * scan.value_after(&policy, z)).sum();
+        let value: f64 = labels.iter().map(|z| probability(z) * scan.value_after(z)).sum();
         prop_assert!((mass - 1.0).abs() < 1e-12);
         prop_assert!((value - scan.value()).abs() < 1e-9 * (1.0 + value.abs()));
         for z in labels {
             let mut posterior = belief.clone();
-            let seen: Vec<_> = z.iter().map(|z| Some(*z)).collect();
+            let mut seen: Vec<_> = z.iter().map(|z| Some(*z)).collect();
+            seen.resize(model.position_count(), None);
             posterior.observe(&model, 0, &seen).unwrap();
             let taken_apart = z.iter().enumerate().flat_map(|(j, z)| looks[j].posterior(*z));
             for (a, b) in taken_apart.zip(posterior.as_slice()) {
                 prop_assert!((a - b).abs() < 1e-12);
             }
-            let best = lower(&model, &policy, posterior.as_slice(), 0);
-            prop_assert!(scan.value_after(&policy, &z) <= best + 1e-9, "plans chosen later are no worse");
+            let best = lower(&model, &policy, posterior.known(), 0);
+            prop_assert!(scan.value_after(&z) <= best + 1e-9, "plans chosen later are no worse");
         }
     }
 }

@@ -6,6 +6,7 @@ use super::shortfall::Prospect;
 use crate::bounds::{self, Foresight, Look, Sighting};
 use crate::model::{Action, SortingModel};
 use crate::planes;
+use crate::remaining::Remaining;
 use crate::scenario::{LabelPlanes, LookPoint};
 use crate::tree::{Child, Node, Object, Values};
 
@@ -18,16 +19,18 @@ pub(super) struct Scan {
     pub decisions: usize,
     /// Where the camera stands.
     pub viewpoint: usize,
+    /// Objects left to decide.
+    pub remaining: Remaining,
 }
 
 impl Scan {
     /// The scan that an action at a node brings, if any.
     pub(super) fn of(model: &SortingModel, node: &Node, action: Action) -> Option<Self> {
-        let &Node { depth, decisions, viewpoint, .. } = node;
+        let &Node { depth, decisions, viewpoint, remaining, .. } = node;
         match action {
-            Action::Move(viewpoint) => Some(Self { depth, decisions, viewpoint }),
-            Action::Decide(_) if model.observes_after_decision() => {
-                Some(Self { depth, decisions: decisions + 1, viewpoint })
+            Action::Move(viewpoint) => Some(Self { depth, decisions, viewpoint, remaining }),
+            Action::Decide(_) if model.observes_after_decision() && !remaining.after(1).is_over() => {
+                Some(Self { depth, decisions: decisions + 1, viewpoint, remaining: remaining.after(1) })
             }
             Action::Decide(_) => None,
         }
@@ -45,6 +48,8 @@ impl Scan {
 #[derive(Debug, Default)]
 pub(super) struct Brancher {
     foresight: Foresight,
+    /// Objects left to decide.
+    remaining: Remaining,
     /// Where in the scenarios each look is.
     points: Vec<LookPoint>,
     /// Upper bound after each label of the object at the belt end.
@@ -69,13 +74,15 @@ impl Brancher {
     pub(super) fn take(&mut self, despot: &Despot, known: &Objects, objects: &[Object], scan: &Scan) -> f64 {
         let model = &despot.model;
         let looks = known.looks(objects, scan.viewpoint);
-        self.foresight.take(&despot.default_policy, looks.clone(), scan.viewpoint);
+        self.remaining = scan.remaining;
+        let unseen = scan.remaining.unseen(model.position_count());
+        self.foresight.take(&despot.default_policy, looks.clone(), scan.viewpoint, unseen);
         self.points.clear();
         self.uppers.clear();
         for (position, object) in objects.iter().enumerate() {
             self.points.push(scan.look(known.sighting(*object, position, scan.viewpoint)));
         }
-        let upper = bounds::upper_knowing(model, scan.viewpoint);
+        let upper = bounds::upper_knowing(model, scan.viewpoint, scan.remaining);
         for look in looks.clone().take(1) {
             self.uppers.extend((0..model.class_count()).map(|z| upper(look.most_likely(z).1)));
         }
@@ -85,7 +92,7 @@ impl Brancher {
     /// A child per label vector that a scenario gives.
     #[inline(always)]
     pub(super) fn branch(&mut self, despot: &Despot, labels: &LabelPlanes, node: &mut Node) {
-        let (l, h) = (despot.model.class_count(), despot.model.position_count());
+        let (l, h) = (despot.model.class_count(), self.points.len());
         self.start(despot, &node.scenarios);
         let mut j = h - 1;
         loop {
@@ -108,8 +115,9 @@ impl Brancher {
     }
 
     fn start(&mut self, despot: &Despot, scenarios: &[u64]) {
-        let (h, words) = (despot.model.position_count(), scenarios.len());
-        let arrival = despot.default_policy.arrival_values();
+        let (h, words) = (self.points.len(), scenarios.len());
+        let unseen = self.remaining.unseen(despot.model.position_count());
+        let arrival = despot.default_policy.values_of_unseen(unseen);
         self.labels.clear();
         self.labels.resize(h, 0);
         self.planes.resize((h + 1) * words, 0);
@@ -152,7 +160,12 @@ impl Brancher {
         self.branched.entropy += probability * entropy;
         let probability = node.probability * probability;
         let labels = self.labels.iter().rev().fold(0, |code, z| code * l + *z as u64);
-        let values = despot.leaf((node.depth + 1, probability), value, entropy, self.uppers[self.labels[0]]);
+        let values = despot.leaf(
+            (node.depth + 1, probability, self.remaining),
+            value,
+            entropy,
+            self.uppers[self.labels[0]],
+        );
         Child { values, probability, labels, node: None }
     }
 
@@ -167,6 +180,6 @@ impl Brancher {
             entropy: next * (self.foresight.expected_entropy() - self.branched.entropy),
         };
         let bound = scale * reward + rest.value - despot.config.regularization;
-        Values { estimate: bound + despot.shortfall.at(rest), ..Values::all(bound) }
+        Values { estimate: bound + despot.shortfall.at(rest, self.remaining), ..Values::all(bound) }
     }
 }

@@ -89,7 +89,7 @@ impl Run<'_> {
         let (label, p_right) = space.objects.most_likely(node.objects[0]);
         let action = Action::Decide(label);
         objects.clone_from(&node.objects);
-        space.objects.shift(objects);
+        space.objects.shift(objects, node.remaining);
         let reward = model.decision_reward(p_right);
         let first = node.children.len();
         let fixed = if let Some(scan) = Scan::of(model, node, action) {
@@ -101,9 +101,10 @@ impl Run<'_> {
             for object in objects.iter() {
                 belief.extend(space.objects.distribution(*object));
             }
-            let value = bounds::lower(model, &despot.default_policy, belief, node.viewpoint);
-            let upper = bounds::upper(model, belief, node.viewpoint);
-            let below = (node.depth + 1, node.probability);
+            let remaining = node.remaining.after(1);
+            let value = bounds::lower(model, &despot.default_policy, (belief, remaining), node.viewpoint);
+            let upper = bounds::upper(model, (belief, remaining), node.viewpoint);
+            let below = (node.depth + 1, node.probability, remaining);
             let values = despot.leaf(below, value, left_to_learn(model, belief), upper);
             node.children.push(Child { values, probability: node.probability, labels: 0, node: None });
             Values::all(despot.scale(node.depth, node.probability) * reward - despot.config.regularization)
@@ -115,7 +116,8 @@ impl Run<'_> {
     #[inline(always)]
     fn move_to(&mut self, to: usize) {
         let Self { node, despot, space, scratch: Scratch { brancher, .. } } = self;
-        let scan = Scan { depth: node.depth, decisions: node.decisions, viewpoint: to };
+        let scan =
+            Scan { depth: node.depth, decisions: node.decisions, viewpoint: to, remaining: node.remaining };
         let first = node.children.len();
         let bonus = brancher.take(despot, &space.objects, &node.objects, &scan);
         brancher.branch(despot, &space.labels, node);

@@ -9,6 +9,7 @@ use crate::belief::{Belief, Memory};
 use crate::bounds::{Look, Sighting};
 use crate::model::SortingModel;
 use crate::one_object::{OneObjectPolicy, Weighed};
+use crate::remaining::Remaining;
 use crate::tree::{Object, id};
 
 /// Looks worth a task of their own.
@@ -32,6 +33,8 @@ pub(crate) struct Objects {
     index: Vec<u32>,
     /// The last labels at the root.
     memory: Memory,
+    /// Objects left to decide at the root.
+    remaining: Remaining,
 }
 
 impl Objects {
@@ -40,6 +43,7 @@ impl Objects {
         (self.positions, self.viewpoints) = (model.position_count(), model.viewpoint_count());
         self.classes = model.class_count();
         self.memory.clone_from(belief.memory());
+        self.remaining = belief.horizon();
         self.taken.clear();
         self.index.clear();
         self.rows.clear();
@@ -53,13 +57,15 @@ impl Objects {
 
     /// The objects at the root, the belt end's first.
     pub(super) fn at_root(&self) -> impl Iterator<Item = Object> + use<> {
-        (0..self.positions).map(|position| Object { look: 0, label: id(position) })
+        (0..self.remaining.visible(self.positions)).map(|position| Object { look: 0, label: id(position) })
     }
 
     /// The belt advances.
-    pub(super) fn shift(&self, objects: &mut [Object]) {
-        objects.rotate_left(1);
-        objects[self.positions - 1] = Object { look: 0, label: id(self.positions) };
+    pub(super) fn shift(&self, objects: &mut Vec<Object>, remaining: Remaining) {
+        objects.remove(0);
+        if remaining.after(1).visible(self.positions) > objects.len() {
+            objects.push(Object { look: 0, label: id(self.positions) });
+        }
     }
 
     /// Have the looks that a scan takes, once they are worked out.
@@ -89,11 +95,12 @@ impl Objects {
         parallel: bool,
     ) {
         self.looks.resize_with(self.looks.len().max(self.taken.len() + 1), Look::default);
+        let ends = self.remaining.ends();
         let (known, new) = self.looks.split_at_mut(first);
         let taken = &self.taken[first - 1..];
         let take = |weighed: &mut Weighed, (look, (object, sighting)): (&mut Look, &(Object, Sighting))| {
             let distribution = known[object.look as usize].posterior(object.label as usize);
-            look.take(model, policy, distribution, *sighting, weighed);
+            look.take(model, policy, distribution, (*sighting, ends), weighed);
         };
         if parallel {
             new[..taken.len()]

@@ -7,6 +7,7 @@ use super::workspace::Lease;
 use super::{Despot, Search};
 use crate::bounds;
 use crate::model::{Action, SortingModel};
+use crate::remaining::Remaining;
 use crate::tree::Edge;
 
 /// The outcome of planning. It keeps the searched tree, and gives the memory back when it is dropped.
@@ -53,9 +54,10 @@ impl PartialEq for Plan {
 
 impl Despot {
     /// Upper bound of V*. It is no part of the search, but of the time that a plan takes.
-    pub(super) fn certified_upper(&self, belief: &[f64], viewpoint: usize) -> f64 {
-        let closed = bounds::upper(&self.model, belief, viewpoint);
-        let grid = self.certificate.as_ref().map(|grid| grid.at(&self.model, belief, viewpoint));
+    pub(super) fn certified_upper(&self, (belief, remaining): (&[f64], Remaining), viewpoint: usize) -> f64 {
+        let closed = bounds::upper(&self.model, (belief, remaining), viewpoint);
+        let endless = self.certificate.as_ref().filter(|_| remaining == Remaining::ENDLESS);
+        let grid = endless.map(|grid| grid.at(&self.model, belief, viewpoint));
         grid.map_or(closed, |grid| grid.min(closed))
     }
 }
@@ -108,7 +110,7 @@ impl Search<'_> {
             .iter()
             .fold(&root.edges[0], |best, edge| if worth(edge) > worth(best) { edge } else { best });
         if self.regularised() && worth(best) < root.default {
-            return default_policy.action(model, &self.space.root, root.viewpoint);
+            return default_policy.action(model, (&self.space.root, root.remaining), root.viewpoint);
         }
         best.action
     }

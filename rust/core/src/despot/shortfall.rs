@@ -4,14 +4,19 @@
 //! is rewarded (the default policy's value leaves the bonus aside). It is fitted such that `l + s` is on average what
 //! one backup makes of it (fitted value iteration: Gordon, ICML 1995), at beliefs such as searches meet. So values at
 //! different depths can be compared: looking deeper changes them only where it finds something.
+//!
+//! Most of s is the same everywhere, which is of no consequence on an endless belt. Where the belt ends it would be:
+//! what can still be gained falls with the objects left, and putting off a decision would seem to pay. There l is the
+//! better estimate; only what is left to learn still counts where learning is rewarded.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 
-use crate::belief::{Memory, condition, entropy, most_likely, shift};
+use crate::belief::{Belief, entropy};
 use crate::bounds::{self, Foresight, Look};
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
+use crate::remaining::Remaining;
 use crate::sampling::{Purpose, invert, stream};
 
 /// Beliefs of the walk: as many as this work allows, counted in entries of looks.
@@ -58,9 +63,10 @@ pub(super) struct Shortfall(Vector3<f64>);
 impl Shortfall {
     /// Shortfall of the default policy, never negative.
     #[inline(always)]
-    pub(super) fn at(self, prospect: Prospect) -> f64 {
+    pub(super) fn at(self, prospect: Prospect, remaining: Remaining) -> f64 {
         let Prospect { mass, value, entropy } = prospect;
-        (self.0[0] * mass + self.0[1] * value + self.0[2] * entropy).max(0.0)
+        let of_value = if remaining.ends() { 0.0 } else { self.0[0] * mass + self.0[1] * value };
+        (of_value + self.0[2] * entropy).max(0.0)
     }
 
     /// Fit to a model. Deterministic.
@@ -80,7 +86,9 @@ impl Shortfall {
         let (mut system, mut target) = (Matrix3::identity() * RIDGE, Vector3::zeros());
         for visit in visits {
             let features = visit.here.features();
-            let value = |(reward, next): &(f64, Prospect)| reward + discount * (next.value + self.at(*next));
+            let value = |(reward, next): &(f64, Prospect)| {
+                reward + discount * (next.value + self.at(*next, Remaining::ENDLESS))
+            };
             let best = visit.actions.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
             system += features * features.transpose();
             target += features * (best - visit.here.value);
@@ -100,8 +108,7 @@ struct Walk<'a> {
     model: &'a SortingModel,
     policy: &'a OneObjectPolicy,
     rng: rand_chacha::ChaCha8Rng,
-    belief: Vec<f64>,
-    memory: Memory,
+    belief: Belief,
     viewpoint: usize,
     /// One per action.
     scans: Vec<Foresight>,
@@ -113,8 +120,7 @@ impl<'a> Walk<'a> {
             model,
             policy,
             rng: stream(0, Purpose::Walk, u64::from(u32::MAX)),
-            belief: model.arrival().as_slice().repeat(model.position_count()),
-            memory: Memory::new(model),
+            belief: Belief::new(model),
             viewpoint: 0,
             scans: (0..=model.viewpoint_count()).map(|_| Foresight::default()).collect(),
         }
@@ -134,7 +140,7 @@ impl<'a> Walk<'a> {
         let strays = self.rng.random::<f64>() < STRAYING;
         let chosen = if strays { self.rng.random_range(0..actions.len()) } else { best.unwrap_or(0) };
         if chosen == 0 {
-            shift(self.model, &mut self.belief, &mut self.memory);
+            self.belief.advance(self.model);
         } else {
             self.viewpoint = self.model.legal_moves(self.viewpoint)[chosen - 1];
         }
@@ -144,11 +150,11 @@ impl<'a> Walk<'a> {
         Visit { here, actions }
     }
 
-    fn prospect(&self, belief: &[f64]) -> Prospect {
+    fn prospect(&self, belief: &Belief) -> Prospect {
         Prospect {
             mass: 1.0,
-            value: bounds::lower(self.model, self.policy, belief, self.viewpoint),
-            entropy: left_to_learn(self.model, belief),
+            value: bounds::lower(self.model, self.policy, belief.known(), self.viewpoint),
+            entropy: left_to_learn(self.model, belief.as_slice()),
         }
     }
 
@@ -156,43 +162,36 @@ impl<'a> Walk<'a> {
         for j in 0..self.model.position_count() {
             let probabilities = self.scans[action].probabilities_of(j);
             let label = invert(probabilities.iter().copied(), self.rng.random::<f64>());
-            condition(self.model, &mut self.belief, &mut self.memory, (j, self.viewpoint, label));
+            // It was drawn, so it is possible.
+            let _ = self.belief.observe_one(self.model, j, self.viewpoint, label);
         }
     }
 
     /// Reward of each action, and what it promises: the best decision, then the moves.
     fn actions(&mut self) -> Vec<(f64, Prospect)> {
-        let (model, viewpoint) = (self.model, self.viewpoint);
-        let (_, p_right) = most_likely(&self.belief[..model.class_count()]);
-        let (mut advanced, mut cleared) = (self.belief.clone(), self.memory.clone());
-        shift(model, &mut advanced, &mut cleared);
-        let reward = model.decision_reward(p_right);
+        let (model, viewpoint, belief) = (self.model, self.viewpoint, self.belief.clone());
+        let mut advanced = belief.clone();
+        advanced.advance(model);
+        let reward = model.decision_reward(belief.most_likely(0).1);
         let mut actions = vec![if model.observes_after_decision() {
-            let (bonus, next) = self.scanned(0, viewpoint, &advanced, &cleared);
+            let (bonus, next) = self.scanned(0, viewpoint, &advanced);
             (reward + bonus, next)
         } else {
             (reward, self.prospect(&advanced))
         }];
-        let (belief, memory) = (self.belief.clone(), self.memory.clone());
         for (index, &to) in model.legal_moves(viewpoint).iter().enumerate() {
-            let (bonus, next) = self.scanned(index + 1, to, &belief, &memory);
+            let (bonus, next) = self.scanned(index + 1, to, &belief);
             actions.push((bonus - model.motion_cost(viewpoint, to), next));
         }
         actions
     }
 
     /// The bonus of a scan, and what is expected to be promised after it.
-    fn scanned(
-        &mut self,
-        action: usize,
-        viewpoint: usize,
-        belief: &[f64],
-        memory: &Memory,
-    ) -> (f64, Prospect) {
-        let looks = bounds::looks(self.model, self.policy, (belief, memory), viewpoint);
+    fn scanned(&mut self, action: usize, viewpoint: usize, belief: &Belief) -> (f64, Prospect) {
+        let looks = bounds::looks(self.model, self.policy, belief, viewpoint);
         let bonus = self.model.spec().information_gain * looks.iter().map(Look::information).sum::<f64>();
         let scan = &mut self.scans[action];
-        scan.take(self.policy, looks.iter(), viewpoint);
+        scan.take(self.policy, looks.iter(), viewpoint, Remaining::ENDLESS);
         (bonus, Prospect { mass: 1.0, value: scan.value(), entropy: scan.expected_entropy() })
     }
 }

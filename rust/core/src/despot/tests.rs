@@ -5,7 +5,7 @@ use super::*;
 use crate::bounds::{Foresight, Sighting};
 use crate::model::{Action, ModelSpec};
 use crate::scenario::LabelPlanes;
-use crate::testing::{all_labels, from_weights, models_in_full, paper, seeded, small_models};
+use crate::testing::{all_labels, belts, from_weights, models_in_full, paper, seeded, small_models, unseen};
 
 /// The optimum of the sampled, regularised problem by plain recursion over its whole tree.
 ///
@@ -39,19 +39,19 @@ impl BruteForce<'_> {
     }
 
     fn default_value(despot: &Despot, at: &Place) -> f64 {
-        bounds::lower(&despot.model, &despot.default_policy, at.belief.as_slice(), at.viewpoint)
+        bounds::lower(&despot.model, &despot.default_policy, at.belief.known(), at.viewpoint)
     }
 
     /// Regularised value of a node, in units of the node's own reward.
     fn value(&mut self, at: &Place, default: f64) -> f64 {
         let Despot { model, config, depth, discounts, .. } = self.despot;
-        if at.depth == *depth {
+        if at.depth == *depth || at.belief.remaining() == Some(0) {
             return default;
         }
         let price = config.regularization / (at.mass * discounts[at.depth]);
         let mut next = Place { depth: at.depth + 1, decisions: at.decisions + 1, ..at.clone() };
         next.belief.advance(model);
-        let (bonus, after) = if model.observes_after_decision() {
+        let (bonus, after) = if model.observes_after_decision() && next.belief.remaining() != Some(0) {
             (next.belief.bonus(model, at.viewpoint), self.scanned(&next))
         } else {
             (0.0, self.value(&next, BruteForce::default_value(self.despot, &next)))
@@ -69,22 +69,20 @@ impl BruteForce<'_> {
     /// Expected value over the labels of a scan that ends a step: `at` is what follows, its labels not yet seen.
     fn scanned(&mut self, at: &Place) -> f64 {
         let Despot { model, default_policy, .. } = self.despot;
-        let known = (at.belief.as_slice(), at.belief.memory());
+        let looks = bounds::looks(model, default_policy, &at.belief, at.viewpoint);
+        let unseen = at.belief.horizon().unseen(model.position_count());
         let mut scan = Foresight::default();
-        scan.take(
-            default_policy,
-            bounds::looks(model, default_policy, known, at.viewpoint).iter(),
-            at.viewpoint,
-        );
+        scan.take(default_policy, looks.iter(), at.viewpoint, unseen);
         let mut value = 0.0;
-        for z in all_labels(model) {
+        for z in all_labels(model, looks.len()) {
             let p: f64 = z.iter().enumerate().map(|(j, z)| scan.probability(j, *z)).product();
             if p == 0.0 {
                 continue;
             }
-            let default = scan.value_after(default_policy, &z);
+            let default = scan.value_after(&z);
             let mut below = Place { scenarios: self.through(at, &z), mass: at.mass * p, ..at.clone() };
-            let seen: Vec<_> = z.iter().map(|z| Some(*z)).collect();
+            let mut seen: Vec<_> = z.iter().map(|z| Some(*z)).collect();
+            seen.resize(model.position_count(), None);
             below.belief.observe(model, at.viewpoint, &seen).unwrap();
             value += p * if below.scenarios.is_empty() { default } else { self.value(&below, default) };
         }
@@ -94,7 +92,8 @@ impl BruteForce<'_> {
     /// The scenarios that give these labels to the scan that has led to `at`.
     fn through(&mut self, at: &Place, labels: &[usize]) -> Vec<usize> {
         let Despot { model, randoms, .. } = self.despot;
-        let scan = Scan { depth: at.depth - 1, decisions: at.decisions, viewpoint: at.viewpoint };
+        let remaining = at.belief.horizon();
+        let scan = Scan { depth: at.depth - 1, decisions: at.decisions, viewpoint: at.viewpoint, remaining };
         let mut scenarios = at.scenarios.clone();
         for (position, &z) in labels.iter().enumerate() {
             let last = at.belief.last_label(model, position, at.viewpoint);
@@ -120,6 +119,7 @@ proptest! {
         scenarios in 1..6_usize,
         regularized in any::<bool>(),
         restricted in any::<bool>(),
+        remaining in belts(),
     ) {
         let mut spec = spec;
         spec.r_min = 15.0;
@@ -129,7 +129,7 @@ proptest! {
         let model = SortingModel::new(spec).unwrap();
         let lambda = if regularized { 0.3 } else { 0.0 };
         let despot = Despot::new(&model, config(scenarios, lambda, 5)).unwrap();
-        let belief = Belief::new(&model);
+        let belief = unseen(&model, remaining);
         let optimum = BruteForce::optimum(&despot, &belief, 0);
         let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
         for trials in [1, 2, 5, 20, 100, 100_000] {
@@ -148,10 +148,10 @@ proptest! {
     }
 
     #[test]
-    fn certified_bounds_enclose_each_other_and_the_policy(spec in small_models()) {
+    fn certified_bounds_enclose_each_other_and_the_policy(spec in small_models(), remaining in belts()) {
         let model = SortingModel::new(spec).unwrap();
         let despot = Despot::new(&model, DespotConfig { scenarios: 50, ..DespotConfig::default() }).unwrap();
-        let plan = despot.plan(&Belief::new(&model), 0, Budget::Trials(20)).unwrap();
+        let plan = despot.plan(&unseen(&model, remaining), 0, Budget::Trials(20)).unwrap();
         prop_assert!(plan.certified_lower.unwrap() <= plan.certified_upper);
         let best = plan.values.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
         let chosen = plan.values.iter().find(|(action, _)| *action == plan.action).unwrap().1;
@@ -201,6 +201,26 @@ fn a_certain_object_is_decided_and_an_unknown_one_looked_at() {
     assert_eq!(despot.plan(&belief, 0, Budget::Trials(10)).unwrap().action, Action::Decide(2));
     let unknown = despot.plan(&Belief::new(despot.model()), 0, Budget::Trials(10)).unwrap().action;
     assert!(matches!(unknown, Action::Move(_)));
+}
+
+#[test]
+fn a_far_end_of_the_belt_changes_nothing_and_a_near_one_the_value() {
+    let despot = Despot::new(&paper(50.0), DespotConfig::default()).unwrap();
+    let lower = |remaining| {
+        let belief = unseen(despot.model(), remaining);
+        despot.plan(&belief, 0, Budget::Trials(50)).unwrap().certified_lower.unwrap()
+    };
+    assert!((lower(Some(1000)) - lower(None)).abs() < 1e-3);
+    let values: Vec<_> = (1..20).map(|objects| lower(Some(objects))).collect();
+    assert!(values.is_sorted(), "{values:?}");
+    assert!(values[0] > 0.0 && values[0] < 10.0, "one object earns no more than its reward: {}", values[0]);
+}
+
+#[test]
+fn where_nothing_is_left_nothing_is_planned() {
+    let despot = Despot::new(&paper(50.0), DespotConfig::default()).unwrap();
+    let error = despot.plan(&unseen(despot.model(), Some(0)), 0, Budget::Trials(1)).unwrap_err();
+    assert!(error.to_string().contains("remaining = 0"), "{error}");
 }
 
 #[test]

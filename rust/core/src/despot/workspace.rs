@@ -46,6 +46,7 @@ impl Workspace {
         self.objects.restart(model, default_policy, belief);
         self.spare.extend(self.tree.nodes.drain(..).rev());
         (self.tree.root, self.tree.viewpoint) = (root, viewpoint);
+        self.tree.remaining = belief.horizon();
     }
 
     /// Choose a leaf for an expansion; until it is attached the leaf counts as settled.
@@ -71,10 +72,10 @@ impl Workspace {
         model: &SortingModel,
         (node, action): (&Node, Action),
         labels: u64,
-        objects: &mut [Object],
+        objects: &mut Vec<Object>,
     ) {
         if let Action::Decide(_) = action {
-            self.objects.shift(objects);
+            self.objects.shift(objects, node.remaining);
         }
         if let Some(scan) = Scan::of(model, node, action) {
             for ((j, z), object) in seen(model, labels).enumerate().zip(objects) {
@@ -95,7 +96,7 @@ impl Workspace {
                 let Some(scan) = Scan::of(model, node, action) else { continue };
                 objects.clone_from(&node.objects);
                 if let Action::Decide(_) = action {
-                    self.objects.shift(&mut objects);
+                    self.objects.shift(&mut objects, node.remaining);
                 }
                 self.objects.require(model, &objects, scan.viewpoint);
                 points.extend(objects.iter().enumerate().map(|(position, object)| {

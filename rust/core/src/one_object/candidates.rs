@@ -111,11 +111,13 @@ mod tests {
             let _ = belief.observe_one(model, 0, step % model.viewpoint_count(), label % model.class_count());
         }
         let distribution = &belief.as_slice()[..model.class_count()];
-        for (behind, range) in policy.continuations.iter().enumerate() {
+        for (behind, ends) in (0..model.position_count()).flat_map(|behind| [(behind, false), (behind, true)])
+        {
+            let range = policy.following.range(behind, ends);
             let follows: Vec<_> = range.centre.iter().zip(&range.radius).map(|(c, r)| c + part * r).collect();
             for group in 0..policy.group_count() {
                 let mut found = Vec::new();
-                policy.candidates((group, behind), distribution, &mut found, &mut Weighed::default());
+                policy.candidates((group, behind, ends), distribution, &mut found, &mut Weighed::default());
                 let value =
                     |plan: &[f64]| plan[0] + plan[1..].iter().zip(&follows).map(|(d, w)| d * w).sum::<f64>();
                 let plans = found.chunks_exact(1 + follows.len());

@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rayon::prelude::*;
 
+use super::following::Following;
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::{OneObjectPolicy, dot};
 use crate::belief::most_likely;
@@ -44,7 +45,7 @@ impl OneObjectPolicy {
             }
         }
         policy.thin(model, &points);
-        policy.bound_continuations(model.position_count());
+        policy.bound_continuations(model);
         policy
     }
 
@@ -74,7 +75,7 @@ impl OneObjectPolicy {
         let (group_of, groups) = viewpoint_groups(model);
         let plans = (0..groups).map(|s| PlanSet::new(deciding(model, groups, s))).collect();
         let mut policy =
-            Self { group_of, plans, arrival_values: vec![0.0; groups], continuations: Vec::new() };
+            Self { group_of, plans, arrival_values: vec![0.0; groups], following: Following::default() };
         policy.evaluate_arrival(model);
         policy
     }
@@ -251,6 +252,7 @@ mod tests {
     use super::*;
     use crate::belief::Belief;
     use crate::model::ScalarOrMatrix;
+    use crate::remaining::Remaining;
     use crate::testing::{from_weights, paper};
 
     #[test]
@@ -259,7 +261,7 @@ mod tests {
         (spec.r_max, spec.r_min) = (10.0, 10.0);
         let model = SortingModel::new(spec).unwrap();
         let policy = OneObjectPolicy::solve(&model);
-        assert!(policy.value(&model, &[0.5, 0.5], 0) > 0.0);
+        assert!(policy.value(&model, (&[0.5, 0.5], Remaining::ENDLESS), 0) > 0.0);
     }
 
     #[test]
@@ -269,7 +271,7 @@ mod tests {
         (spec.r_max, spec.r_min) = (spec.r_max * 1e-3, spec.r_min * 1e-3);
         spec.motion_cost = ScalarOrMatrix::Scalar(1e-3);
         let scaled = SortingModel::new(spec).unwrap();
-        let value = |model| OneObjectPolicy::solve(model).value(model, &[0.25; 4], 0);
+        let value = |model| OneObjectPolicy::solve(model).value(model, (&[0.25; 4], Remaining::ENDLESS), 0);
         assert!((1e3 * value(&scaled) / value(&unit) - 1.0).abs() < 1e-6);
     }
 
@@ -278,7 +280,7 @@ mod tests {
         for (r_min, optimum, tolerance) in [(5.0, 46.987, 0.001), (50.0, 17.5, 0.001), (500.0, 5.842, 0.01)] {
             let model = paper(r_min).with_positions(1).unwrap();
             let policy = OneObjectPolicy::solve(&model);
-            let value = policy.value(&model, Belief::new(&model).as_slice(), 0);
+            let value = policy.value(&model, Belief::new(&model).known(), 0);
             assert!(value <= optimum + 5e-4, "r_min {r_min}: {value} above {optimum}");
             assert!(value >= optimum * (1.0 - tolerance), "r_min {r_min}: {value} far below {optimum}");
         }

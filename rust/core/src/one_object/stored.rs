@@ -6,6 +6,7 @@
 use nalgebra::DVector;
 
 use super::OneObjectPolicy;
+use super::following::Following;
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::solve::viewpoint_groups;
 use crate::model::{Action, SortingModel};
@@ -43,8 +44,8 @@ impl OneObjectPolicy {
             rest = behind;
         }
         let arrival_values = arrival_values.to_vec();
-        let mut policy = Self { group_of, plans, arrival_values, continuations: Vec::new() };
-        policy.bound_continuations(model.position_count());
+        let mut policy = Self { group_of, plans, arrival_values, following: Following::default() };
+        policy.bound_continuations(model);
         rest.is_empty().then_some(policy)
     }
 }

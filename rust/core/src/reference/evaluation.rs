@@ -8,6 +8,7 @@ use super::graph::BeliefGraph;
 use super::reach::Reach;
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
+use crate::remaining::Remaining;
 
 /// A sweep that raises the root by less than this part of `r_max` is the last.
 const TOLERANCE: f64 = 1e-7;
@@ -23,7 +24,7 @@ pub(super) fn policy_value(
     let mut values = vec![f64::NEG_INFINITY; graph.size()];
     for node in reach.nodes() {
         let (belief, viewpoint) = graph.belief(node);
-        values[node as usize] = policy.value(model, &belief, viewpoint);
+        values[node as usize] = policy.value(model, (&belief, Remaining::ENDLESS), viewpoint);
     }
     loop {
         let before = values[0];

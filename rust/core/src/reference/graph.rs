@@ -14,6 +14,7 @@ use super::objects::{ObjectId, Objects};
 use crate::belief::most_likely;
 use crate::bounds;
 use crate::model::{Action, SortingModel};
+use crate::remaining::Remaining;
 
 /// Nodes of the graph up to 16 joint classes, fewer beyond; each takes about 300 bytes, its actions and its value as a
 /// policy included.
@@ -253,7 +254,11 @@ impl<'a> BeliefGraph<'a> {
             return grid.mixture(self.objects.located(objects[0]), behind);
         }
         let belief: Vec<f64> = objects.iter().flat_map(|o| self.objects.belief(*o)).copied().collect();
-        bounds::upper(self.model, &belief, self.leaves.policy.representative(places[0] as usize))
+        bounds::upper(
+            self.model,
+            (&belief, Remaining::ENDLESS),
+            self.leaves.policy.representative(places[0] as usize),
+        )
     }
 }
 

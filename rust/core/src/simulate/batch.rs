@@ -53,7 +53,11 @@ impl<'a> Batch<'a> {
             objects: Vec::with_capacity(model.position_count()),
             index: batch,
             arrived: 0,
-            belief: Belief::new(model),
+            belief: if config.belt_ends {
+                Belief::new(model).ending_after(config.batch_size)
+            } else {
+                Belief::new(model)
+            },
             given: Memory::new(truth),
             viewpoint: config.viewpoint,
             discount: 1.0,

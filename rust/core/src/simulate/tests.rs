@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::model::ScalarOrMatrix;
-use crate::policy::Threshold;
+use crate::policy::{OneObject, Threshold};
 use crate::testing::{models_in_full, paper, seeded};
 
 fn config(batches: usize) -> EvaluationConfig {
@@ -10,6 +10,7 @@ fn config(batches: usize) -> EvaluationConfig {
         batches,
         batch_size: 5,
         seed: 1,
+        belt_ends: false,
         viewpoint: 0,
         true_classes: TrueClasses::Arrival,
         max_looks: 8,
@@ -51,4 +52,17 @@ fn who_takes_repeats_for_new_evidence_grows_overconfident() {
     };
     assert!(right(&truth) > 0.94);
     assert!(right(&model) < 0.85);
+}
+
+/// The last objects are worth a longer look: nothing waits behind them.
+#[test]
+fn it_pays_to_know_that_the_belt_ends() {
+    let model = paper(5.0);
+    let policy = OneObject::new(&model);
+    let returns = |belt_ends| {
+        let config = EvaluationConfig { belt_ends, ..config(300) };
+        evaluate(&model, &model, &policy, &config).unwrap().expected_discounted_returns
+    };
+    let gain = deviation(&returns(true), &returns(false));
+    assert!(gain > 5.0, "{gain} standard errors");
 }
