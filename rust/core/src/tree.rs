@@ -142,6 +142,8 @@ impl Node {
         self.remaining = tree.remaining.after(self.decisions);
         (self.place, self.labels) = (place, child.labels);
         (self.probability, self.default) = (child.probability, child.values.lower);
+        self.objects.clear();
+        self.scenarios.clear();
         self.edges.clear();
         self.children.clear();
     }

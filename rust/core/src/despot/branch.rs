@@ -7,7 +7,7 @@ use crate::bounds::{self, Foresight, Look, Sighting};
 use crate::model::{Action, SortingModel};
 use crate::planes;
 use crate::remaining::Remaining;
-use crate::scenario::{LabelPlanes, LookPoint};
+use crate::scenario::LookPoint;
 use crate::tree::{Child, Node, Object, Values};
 
 /// Where in the scenarios a scan is taken.
@@ -71,7 +71,13 @@ pub(super) struct Brancher {
 impl Brancher {
     /// Take a scan of objects apart; the bonus that it is expected to earn.
     #[inline(always)]
-    pub(super) fn take(&mut self, despot: &Despot, known: &Objects, objects: &[Object], scan: &Scan) -> f64 {
+    pub(super) fn take(
+        &mut self,
+        despot: &Despot,
+        known: Objects<'_>,
+        objects: &[Object],
+        scan: &Scan,
+    ) -> f64 {
         let model = &despot.model;
         let looks = known.looks(objects, scan.viewpoint);
         self.remaining = scan.remaining;
@@ -80,7 +86,7 @@ impl Brancher {
         self.points.clear();
         self.uppers.clear();
         for (position, object) in objects.iter().enumerate() {
-            self.points.push(scan.look(known.sighting(*object, position, scan.viewpoint)));
+            self.points.push(scan.look(known.sightings.sighting(*object, position, scan.viewpoint)));
         }
         let upper = bounds::upper_knowing(model, scan.viewpoint, scan.remaining);
         for look in looks.clone().take(1) {
@@ -91,7 +97,7 @@ impl Brancher {
 
     /// A child per label vector that a scenario gives.
     #[inline(always)]
-    pub(super) fn branch(&mut self, despot: &Despot, labels: &LabelPlanes, node: &mut Node) {
+    pub(super) fn branch(&mut self, despot: &Despot, known: Objects<'_>, node: &mut Node) {
         let (l, h) = (despot.model.class_count(), self.points.len());
         self.start(despot, &node.scenarios);
         let mut j = h - 1;
@@ -102,7 +108,7 @@ impl Brancher {
                 if j == h {
                     return;
                 }
-            } else if self.enter(despot, labels, self.points[j]) {
+            } else if self.enter(despot, known, self.points[j]) {
                 if j > 0 {
                     j -= 1;
                     continue;
@@ -133,12 +139,12 @@ impl Brancher {
 
     /// Take the label at hand of one position; whether any scenario gives it.
     #[inline(always)]
-    fn enter(&mut self, despot: &Despot, labels: &LabelPlanes, at: LookPoint) -> bool {
+    fn enter(&mut self, despot: &Despot, known: Objects<'_>, at: LookPoint) -> bool {
         let (j, z) = (at.position, self.labels[at.position]);
         let (words, g) = (self.planes.len() / self.probabilities.len(), despot.default_policy.group_count());
         let probability = self.probabilities[j + 1] * self.foresight.probability(j, z);
         let (here, behind) = self.planes.split_at_mut((j + 1) * words);
-        let given = labels.label(at, z);
+        let given = known.label(at, z);
         if probability <= 0.0 || !planes::intersect(&behind[..words], given, &mut here[j * words..]) {
             return false;
         }

@@ -2,25 +2,27 @@
 
 use super::Despot;
 use super::branch::{Brancher, Scan};
+use super::objects::Objects;
 use super::shortfall::left_to_learn;
-use super::workspace::Workspace;
 use crate::bounds;
 use crate::model::Action;
-use crate::planes;
 use crate::tree::{Child, Node, Object, Values, seen};
 
 /// A chosen leaf, on its way to become a node; nothing of it is in the tree yet.
 #[derive(Debug, Default)]
 pub(super) struct Expansion {
+    /// Its scenarios are its parent's until it is expanded.
     pub node: Node,
+    /// The scan that has led to it.
+    pub scan: Option<Scan>,
     /// Its values before it was chosen, then those that its expansion has found.
     pub values: Values,
 }
 
 impl Expansion {
     /// Expand the leaf, compiled for the CPU at hand.
-    pub(super) fn run(&mut self, despot: &Despot, space: &Workspace, scratch: &mut Scratch) {
-        pulp::Arch::new().dispatch(Run { node: &mut self.node, despot, space, scratch });
+    pub(super) fn run(&mut self, despot: &Despot, known: Objects<'_>, scratch: &mut Scratch) {
+        pulp::Arch::new().dispatch(Run { node: &mut self.node, scan: self.scan, despot, known, scratch });
         self.values = self.node.best_values();
     }
 
@@ -41,8 +43,9 @@ pub(super) struct Scratch {
 /// The arguments of an expansion; unlike a closure it is sure to be inlined into the dispatch.
 struct Run<'a> {
     node: &'a mut Node,
+    scan: Option<Scan>,
     despot: &'a Despot,
-    space: &'a Workspace,
+    known: Objects<'a>,
     scratch: &'a mut Scratch,
 }
 
@@ -60,23 +63,15 @@ impl pulp::NullaryFnOnce for Run<'_> {
 }
 
 impl Run<'_> {
-    /// Scenarios of the leaf, from its parent's.
+    /// Scenarios of the leaf: those of its parent's that give its labels.
     #[inline(always)]
     fn arrive(&mut self) {
-        let Self { node, despot, space, .. } = self;
-        node.scenarios.clear();
-        let Some(at) = node.place else {
-            node.scenarios.extend(planes::first(despot.config.scenarios));
-            return;
-        };
-        let parent = &space.tree.nodes[at.node as usize];
-        node.scenarios.extend(&parent.scenarios);
-        if let Some(scan) = Scan::of(&despot.model, parent, parent.edges[at.edge as usize].action) {
-            for (object, z) in node.objects.iter().zip(seen(&despot.model, node.labels)) {
-                let plane = space.labels.label(scan.look(space.objects.told_by(*object)), z);
-                for (word, plane) in node.scenarios.iter_mut().zip(plane) {
-                    *word &= plane;
-                }
+        let Self { node, scan, despot, known, .. } = self;
+        let Some(scan) = scan else { return };
+        for (object, z) in node.objects.iter().zip(seen(&despot.model, node.labels)) {
+            let plane = known.label(scan.look(known.sightings.told_by(*object)), z);
+            for (word, plane) in node.scenarios.iter_mut().zip(plane) {
+                *word &= plane;
             }
         }
     }
@@ -84,22 +79,23 @@ impl Run<'_> {
     /// Decide the most likely label and advance the belt; if a scan follows, see what it gives.
     #[inline(always)]
     fn decide(&mut self) {
-        let Self { node, despot, space, scratch: Scratch { advanced: (objects, belief), brancher } } = self;
+        let Self { node, despot, known, scratch: Scratch { advanced: (objects, belief), brancher }, .. } =
+            self;
         let model = &despot.model;
-        let (label, p_right) = space.objects.most_likely(node.objects[0]);
+        let (label, p_right) = known.most_likely(node.objects[0]);
         let action = Action::Decide(label);
         objects.clone_from(&node.objects);
-        space.objects.shift(objects, node.remaining);
+        known.sightings.shift(objects, node.remaining);
         let reward = model.decision_reward(p_right);
         let first = node.children.len();
         let fixed = if let Some(scan) = Scan::of(model, node, action) {
-            let bonus = brancher.take(despot, &space.objects, objects, &scan);
-            brancher.branch(despot, &space.labels, node);
+            let bonus = brancher.take(despot, *known, objects, &scan);
+            brancher.branch(despot, *known, node);
             brancher.fixed(despot, node, reward + bonus)
         } else {
             belief.clear();
             for object in objects.iter() {
-                belief.extend(space.objects.distribution(*object));
+                belief.extend(known.distribution(*object));
             }
             let remaining = node.remaining.after(1);
             let value = bounds::lower(model, &despot.default_policy, (belief, remaining), node.viewpoint);
@@ -115,12 +111,12 @@ impl Run<'_> {
     /// Move and scan.
     #[inline(always)]
     fn move_to(&mut self, to: usize) {
-        let Self { node, despot, space, scratch: Scratch { brancher, .. } } = self;
+        let Self { node, despot, known, scratch: Scratch { brancher, .. }, .. } = self;
         let scan =
             Scan { depth: node.depth, decisions: node.decisions, viewpoint: to, remaining: node.remaining };
         let first = node.children.len();
-        let bonus = brancher.take(despot, &space.objects, &node.objects, &scan);
-        brancher.branch(despot, &space.labels, node);
+        let bonus = brancher.take(despot, *known, &node.objects, &scan);
+        brancher.branch(despot, *known, node);
         let fixed = brancher.fixed(despot, node, bonus - despot.model.motion_cost(node.viewpoint, to));
         node.push_edge(Action::Move(to), fixed, first);
     }

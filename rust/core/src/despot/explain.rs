@@ -57,8 +57,8 @@ impl Plan {
     #[must_use]
     pub fn tree(&self, depth: usize) -> TreeNode {
         let view = View { model: &self.model, space: &self.space };
-        let tree = &self.space.tree;
-        let objects: Vec<_> = self.space.objects.at_root().collect();
+        let tree = &self.space.frontier.tree;
+        let objects: Vec<_> = self.space.knowledge.sightings.at_root().collect();
         view.node((&tree.root, 0, tree.viewpoint), &objects, depth)
     }
 }
@@ -76,7 +76,7 @@ impl View<'_> {
         objects: &[Object],
         depth: usize,
     ) -> TreeNode {
-        let node = child.node.map(|node| &self.space.tree.nodes[node as usize]);
+        let node = child.node.map(|node| &self.space.frontier.tree.nodes[node as usize]);
         let Values { lower, upper, estimate } = self.unscaled(at, child.probability, child.values);
         let shown = node.filter(|_| depth > 0);
         let actions = shown.map_or_else(Vec::new, |node| self.actions(node, objects, depth));
@@ -87,7 +87,10 @@ impl View<'_> {
             upper,
             scenarios: node.map(|node| planes::count(&node.scenarios)),
             actions,
-            belief: objects.iter().map(|object| self.space.objects.distribution(*object).to_vec()).collect(),
+            belief: objects
+                .iter()
+                .map(|object| self.space.knowledge.objects().distribution(*object).to_vec())
+                .collect(),
         }
     }
 
@@ -114,7 +117,7 @@ impl View<'_> {
     ) -> TreeBranch {
         let mut objects = objects.to_vec();
         let (below, _, viewpoint) = from.after(action);
-        self.space.follow(self.model, (from, action), child.labels, &mut objects);
+        self.space.knowledge.sightings.follow(self.model, (from, action), child.labels, &mut objects);
         let scan = Scan::of(self.model, from, action);
         TreeBranch {
             probability: child.probability / from.probability,

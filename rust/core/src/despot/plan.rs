@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::Despot;
+use super::search::Search;
 use super::workspace::Lease;
-use super::{Despot, Search};
 use crate::bounds;
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
@@ -48,7 +49,7 @@ impl PartialEq for Plan {
             && self.values == other.values
             && numbers(self) == numbers(other)
             && certified(self) == certified(other)
-            && self.space.tree == other.space.tree
+            && self.space.frontier.tree == other.space.frontier.tree
     }
 }
 
@@ -64,7 +65,7 @@ impl Despot {
 
 impl Search<'_> {
     pub(super) fn into_plan(self, certified_upper: f64) -> Plan {
-        let tree = &self.space.tree;
+        let (tree, tally) = (&self.space.frontier.tree, self.space.frontier.tally);
         let (root, bounds) = (&tree.nodes[0], tree.root.values);
         let mut values = Vec::new();
         for edge in &root.edges {
@@ -84,11 +85,11 @@ impl Search<'_> {
                 bounds.lower
             }),
             certified_upper,
-            trials: self.trials,
-            elapsed: self.start.elapsed(),
-            scenario_steps: self.scenario_steps,
+            trials: tally.trials,
+            elapsed: self.clock.elapsed(),
+            scenario_steps: tally.scenario_steps,
             expansions: tree.nodes.len() as u64,
-            nodes: self.nodes,
+            nodes: tally.nodes,
             model: Arc::clone(&self.despot.model),
             space: self.space,
         }
@@ -103,7 +104,7 @@ impl Search<'_> {
     /// policy's own if no planned one is worth its price.
     fn best_action(&self) -> Action {
         let Despot { model, default_policy, .. } = self.despot;
-        let root = &self.space.tree.nodes[0];
+        let root = &self.space.frontier.tree.nodes[0];
         let worth = |edge: &Edge| if self.regularised() { edge.values.lower } else { edge.values.estimate };
         let best = root
             .edges

@@ -1,20 +1,38 @@
 //! When a search ends, and how many leaves it chooses at once.
 
-use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use super::{Budget, Search};
+use super::Budget;
 
-/// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
-const SOLVED: f64 = 1e-10;
 /// Leaves chosen before any of them is expanded: work for the threads, and a little less well informed each. As many
 /// as this part of the trials done, within limits; never a matter of threads.
 const BATCH: (u64, std::ops::Range<u64>) = (4, 8..256);
 
-impl Search<'_> {
-    /// Whether the sampled problem is solved, or the budget spent.
-    pub(super) fn finished(&self) -> bool {
-        self.space.tree.root.values.gap() < SOLVED * self.despot.model.spec().r_max || self.allowed() == 0
+/// The time and the trials that a search has.
+pub(super) struct Clock<'a> {
+    budget: Budget,
+    stop: &'a AtomicBool,
+    start: Instant,
+    /// When the root was expanded.
+    begun: Instant,
+}
+
+impl<'a> Clock<'a> {
+    /// A clock that starts now.
+    pub(super) fn started(budget: Budget, stop: &'a AtomicBool) -> Self {
+        let now = Instant::now();
+        Self { budget, stop, start: now, begun: now }
+    }
+
+    /// The root has been expanded.
+    pub(super) fn begin(&mut self) {
+        self.begun = Instant::now();
+    }
+
+    /// Time since the start.
+    pub(super) fn elapsed(&self) -> Duration {
+        self.start.elapsed()
     }
 
     /// Whether nothing more may be begun.
@@ -24,25 +42,25 @@ impl Search<'_> {
     }
 
     /// Trials that end in time if they take as long as those so far; as many as you like as long as there are none.
-    fn trials_within(&self, time: Duration) -> u64 {
-        if self.trials == 0 {
+    fn trials_within(&self, time: Duration, trials: u64) -> u64 {
+        if trials == 0 {
             return u64::MAX;
         }
         let left = time.saturating_sub(self.start.elapsed());
-        let trials = self.trials as f64 * left.div_duration_f64(self.begun.elapsed());
+        let trials = trials as f64 * left.div_duration_f64(self.begun.elapsed());
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // not negative; as many as fit
         let trials = trials as u64;
         trials
     }
 
-    /// Trials that the budget still allows for, at most a batch.
-    pub(super) fn allowed(&self) -> usize {
-        let batch = (self.trials / BATCH.0).clamp(BATCH.1.start, BATCH.1.end);
-        let allowed = match self.budget {
+    /// Trials that the budget still allows for after those done and those under way, at most a batch.
+    pub(super) fn allowed(&self, trials: u64, under_way: u64) -> usize {
+        let batch = (trials / BATCH.0).clamp(BATCH.1.start, BATCH.1.end);
+        let left = match self.budget {
             _ if self.out_of_time() => 0,
-            Budget::Trials(trials) => batch.min(trials - self.trials),
-            Budget::Time(time) => batch.min(self.trials_within(time)),
+            Budget::Trials(budget) => budget - trials,
+            Budget::Time(time) => self.trials_within(time, trials),
         };
-        usize::try_from(allowed).unwrap_or(usize::MAX)
+        usize::try_from(batch.min(left.saturating_sub(under_way))).unwrap_or(usize::MAX)
     }
 }

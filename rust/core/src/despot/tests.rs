@@ -2,10 +2,11 @@ use proptest::prelude::*;
 
 use super::branch::Scan;
 use super::*;
-use crate::bounds::{Foresight, Sighting};
+use crate::bounds::{self, Foresight, Sighting};
 use crate::model::{Action, ModelSpec};
 use crate::scenario::LabelPlanes;
 use crate::testing::{all_labels, belts, from_weights, models_in_full, paper, seeded, small_models, unseen};
+use crate::tree::id;
 
 /// The optimum of the sampled, regularised problem by plain recursion over its whole tree.
 ///
@@ -140,7 +141,7 @@ proptest! {
             (lower, upper) = (plan.lower, plan.upper);
         }
         prop_assert!(upper - lower < 1e-6, "not solved: [{lower}, {upper}]");
-        let tree = &despot.plan(&belief, 0, Budget::Trials(100_000)).unwrap().space.tree;
+        let tree = &despot.plan(&belief, 0, Budget::Trials(100_000)).unwrap().space.frontier.tree;
         for (index, node) in tree.nodes.iter().enumerate() {
             prop_assert_eq!(tree.child(node.place).node, Some(id(index)), "expanded twice");
         }

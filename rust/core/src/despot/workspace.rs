@@ -6,122 +6,75 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::Despot;
 use super::branch::Scan;
 use super::expand::{Expansion, Scratch};
-use super::objects::Objects;
+use super::frontier::Frontier;
+use super::objects::{Findings, Objects};
+use super::sightings::Sightings;
 use crate::belief::Belief;
-use crate::model::{Action, SortingModel};
-use crate::scenario::{LabelPlanes, LookPoint};
-use crate::tree::{Child, Node, Object, Place, Tree, id, seen};
+use crate::model::Action;
+use crate::scenario::LookPoint;
+use crate::tree::Child;
 
 /// Nodes that are kept for the next plan at most: an occasional long search would hold its memory for ever.
 const MOST_KEPT: usize = 100_000;
 
-/// Everything that a search writes to. Its content never outlives a plan, its memory does.
+/// What the expansions of a search share.
 #[derive(Debug, Default)]
-pub(crate) struct Workspace {
-    pub tree: Tree,
-    pub labels: LabelPlanes,
-    pub objects: Objects,
-    /// The belief at the root, one distribution per position.
-    pub root: Vec<f64>,
-    /// The leaves of a batch.
-    pub expansions: Vec<Expansion>,
-    /// One per task.
-    pub scratch: Vec<Scratch>,
-    /// The looks of a batch.
-    points: Vec<LookPoint>,
-    /// Nodes to be used again.
-    spare: Vec<Node>,
+pub(crate) struct Knowledge {
+    pub sightings: Sightings,
+    pub findings: Findings,
+    /// The looks of a batch, in the scenarios.
+    pub points: Vec<LookPoint>,
 }
 
-impl Workspace {
-    /// Forget the last search and start from a root.
-    pub(super) fn restart(
-        &mut self,
-        Despot { model, default_policy, randoms, .. }: &Despot,
-        (belief, viewpoint): (&Belief, usize),
-        root: Child,
-    ) {
-        self.root = belief.as_slice().to_vec();
-        self.labels.restart(model, randoms, belief.as_slice());
-        self.objects.restart(model, default_policy, belief);
-        self.spare.extend(self.tree.nodes.drain(..).rev());
-        (self.tree.root, self.tree.viewpoint) = (root, viewpoint);
-        self.tree.remaining = belief.horizon();
-    }
-
-    /// Choose a leaf for an expansion; until it is attached the leaf counts as settled.
-    pub(super) fn choose(&mut self, model: &SortingModel, leaf: Option<Place>) {
-        let mut node = self.spare.pop().unwrap_or_default();
-        node.restart(&self.tree, leaf);
-        node.objects.clear();
-        if let Some(Place { node: parent, edge, .. }) = leaf {
-            let parent = &self.tree.nodes[parent as usize];
-            node.objects.extend(&parent.objects);
-            let action = parent.edges[edge as usize].action;
-            self.follow(model, (parent, action), node.labels, &mut node.objects);
-        } else {
-            node.objects.extend(self.objects.at_root());
-        }
-        self.expansions.push(Expansion { node, values: self.tree.child(leaf).values });
-        self.tree.settle(leaf);
-    }
-
-    /// The objects after an action at a node, given the code of the labels that it has brought.
-    pub(super) fn follow(
-        &self,
-        model: &SortingModel,
-        (node, action): (&Node, Action),
-        labels: u64,
-        objects: &mut Vec<Object>,
-    ) {
-        if let Action::Decide(_) = action {
-            self.objects.shift(objects, node.remaining);
-        }
-        if let Some(scan) = Scan::of(model, node, action) {
-            for ((j, z), object) in seen(model, labels).enumerate().zip(objects) {
-                *object = self.objects.after(*object, (j, scan.viewpoint), z);
-            }
-        }
-    }
-
-    /// Have all that the expansions of the chosen leaves share.
-    pub(super) fn prepare(&mut self, Despot { model, default_policy, randoms, .. }: &Despot, parallel: bool) {
-        let depths = self.expansions.iter().map(|expansion| expansion.node.depth);
+impl Knowledge {
+    /// Number the looks that the expansions of the chosen leaves need. They are still to be worked out.
+    pub(super) fn require(&mut self, despot: &Despot, chosen: &[Expansion], parallel: bool) {
+        let Despot { model, randoms, .. } = despot;
+        let depths = chosen.iter().map(|expansion| expansion.node.depth);
         randoms.reach(depths.max().unwrap_or(0), parallel);
-        let (first, mut objects) = (self.objects.count(), Vec::new());
-        let mut points = std::mem::take(&mut self.points);
-        for Expansion { node, .. } in &self.expansions {
+        let Self { sightings, points, .. } = self;
+        let mut objects = Vec::new();
+        points.clear();
+        for Expansion { node, .. } in chosen {
             let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
             for action in moves.chain([Action::Decide(0)]) {
                 let Some(scan) = Scan::of(model, node, action) else { continue };
                 objects.clone_from(&node.objects);
                 if let Action::Decide(_) = action {
-                    self.objects.shift(&mut objects, node.remaining);
+                    sightings.shift(&mut objects, node.remaining);
                 }
-                self.objects.require(model, &objects, scan.viewpoint);
+                sightings.require(model, &objects, scan.viewpoint);
                 points.extend(objects.iter().enumerate().map(|(position, object)| {
-                    scan.look(self.objects.sighting(*object, position, scan.viewpoint))
+                    scan.look(sightings.sighting(*object, position, scan.viewpoint))
                 }));
             }
         }
-        self.objects.work_out(model, default_policy, first, parallel);
-        self.labels.require(model, randoms, points.drain(..), parallel);
-        self.points = points;
     }
 
-    /// Put the expansions for which there was time into the tree, in the order in which they were chosen.
-    pub(super) fn attach(&mut self) {
-        for expansion in self.expansions.drain(..) {
-            let place = expansion.node.place;
-            self.tree.revise(place, expansion.values);
-            if expansion.done() {
-                self.tree.child_mut(place).node = Some(id(self.tree.nodes.len()));
-                self.tree.nodes.push(expansion.node);
-            } else {
-                self.spare.push(expansion.node);
-            }
-        }
-        self.tree.back_up();
+    /// What is known about objects.
+    pub(super) fn objects(&self) -> Objects<'_> {
+        Objects { sightings: &self.sightings, findings: &self.findings }
+    }
+}
+
+/// Everything that a search writes to. Its content never outlives a plan, its memory does.
+#[derive(Debug, Default)]
+pub(crate) struct Workspace {
+    pub frontier: Frontier,
+    pub knowledge: Knowledge,
+    /// The belief at the root, one distribution per position.
+    pub root: Vec<f64>,
+    /// One per task.
+    pub scratch: Vec<Scratch>,
+}
+
+impl Workspace {
+    /// Forget the last search and start from a root.
+    pub(super) fn restart(&mut self, despot: &Despot, (belief, viewpoint): (&Belief, usize), root: Child) {
+        self.root = belief.as_slice().to_vec();
+        self.knowledge.sightings.restart(&despot.model, belief);
+        self.knowledge.findings.restart(despot, belief);
+        self.frontier.restart(root, viewpoint, belief.horizon());
     }
 }
 
@@ -160,7 +113,7 @@ impl DerefMut for Lease {
 impl Drop for Lease {
     fn drop(&mut self) {
         let space = std::mem::take(&mut self.space);
-        if space.tree.nodes.len() + space.spare.len() <= MOST_KEPT {
+        if space.frontier.size() <= MOST_KEPT {
             self.pool.0.lock().unwrap_or_else(PoisonError::into_inner).push(space);
         }
     }

@@ -1,0 +1,174 @@
+//! Which object was seen from where: every look that a search needs, by its number.
+//!
+//! The belief at a node is a product over objects, and what is known about one of them follows from its own labels
+//! alone. Many nodes share it: of two objects there are 16^d histories of labels at depth d, of each only 4^d.
+
+use super::branch::Scan;
+use crate::belief::{Belief, Memory};
+use crate::bounds::Sighting;
+use crate::model::{Action, SortingModel};
+use crate::remaining::Remaining;
+use crate::tree::{Node, Object, id, seen};
+
+const ABSENT: u32 = u32::MAX;
+
+/// The looks that a search has needed so far; an [`Object`] is a label of one of them.
+#[derive(Debug, Default)]
+pub(crate) struct Sightings {
+    positions: usize,
+    viewpoints: usize,
+    classes: usize,
+    /// The object of each look, and how it is seen. Number 0 is no look: its labels stand for the objects at the root's
+    /// positions, and for an unseen one; so look n is entry n - 1.
+    taken: Vec<(Object, Sighting)>,
+    /// The row of an object at a position, by [`Sightings::at`]; [`ABSENT`] where no look at it has been required yet:
+    /// most labels of most looks are never followed.
+    rows: Vec<u32>,
+    /// Rows: the look from each viewpoint; [`ABSENT`] where there is none yet.
+    index: Vec<u32>,
+    /// The last labels at the root.
+    memory: Memory,
+    /// Objects left to decide at the root.
+    remaining: Remaining,
+}
+
+impl Sightings {
+    /// Start a search from a belief.
+    pub(super) fn restart(&mut self, model: &SortingModel, belief: &Belief) {
+        (self.positions, self.viewpoints) = (model.position_count(), model.viewpoint_count());
+        self.classes = model.class_count();
+        self.memory.clone_from(belief.memory());
+        self.remaining = belief.horizon();
+        self.taken.clear();
+        self.index.clear();
+        self.rows.clear();
+        self.rows.resize((self.positions + 1) * self.positions, ABSENT);
+    }
+
+    /// Objects left to decide at the root.
+    pub(super) fn remaining(&self) -> Remaining {
+        self.remaining
+    }
+
+    /// The objects at the root, the belt end's first.
+    pub(super) fn at_root(&self) -> impl Iterator<Item = Object> + use<> {
+        (0..self.remaining.visible(self.positions)).map(|position| Object { look: 0, label: id(position) })
+    }
+
+    /// The belt advances.
+    pub(super) fn shift(&self, objects: &mut Vec<Object>, remaining: Remaining) {
+        objects.remove(0);
+        if remaining.after(1).visible(self.positions) > objects.len() {
+            objects.push(Object { look: 0, label: id(self.positions) });
+        }
+    }
+
+    /// The objects after an action at a node, given the code of the labels that it has brought.
+    pub(super) fn follow(
+        &self,
+        model: &SortingModel,
+        (node, action): (&Node, Action),
+        labels: u64,
+        objects: &mut Vec<Object>,
+    ) {
+        if let Action::Decide(_) = action {
+            self.shift(objects, node.remaining);
+        }
+        if let Some(scan) = Scan::of(model, node, action) {
+            for ((j, z), object) in seen(model, labels).enumerate().zip(objects) {
+                *object = self.after(*object, (j, scan.viewpoint), z);
+            }
+        }
+    }
+
+    /// Have the looks that a scan takes.
+    pub(super) fn require(&mut self, model: &SortingModel, objects: &[Object], viewpoint: usize) {
+        for (position, object) in objects.iter().enumerate() {
+            let at = self.at(*object, position);
+            if self.rows[at] == ABSENT {
+                self.rows[at] = id(self.index.len() / self.viewpoints);
+                self.index.resize(self.index.len() + self.viewpoints, ABSENT);
+            }
+            let key = self.key(*object, position, viewpoint);
+            if self.index[key] == ABSENT {
+                let last = self.last_label(model, *object, position, viewpoint);
+                self.taken.push((*object, Sighting { position, viewpoint, last }));
+                self.index[key] = id(self.taken.len());
+                self.rows.resize(self.rows.len() + self.classes * self.positions, ABSENT);
+            }
+        }
+    }
+
+    /// The looks from number `first` on.
+    pub(super) fn taken_from(&self, first: usize) -> &[(Object, Sighting)] {
+        &self.taken[first - 1..]
+    }
+
+    /// The object after the label of a look.
+    #[inline(always)]
+    pub(super) fn after(
+        &self,
+        object: Object,
+        (position, viewpoint): (usize, usize),
+        label: usize,
+    ) -> Object {
+        Object { look: id(self.look(object, (position, viewpoint))), label: id(label) }
+    }
+
+    /// Number of a look that has been required.
+    #[inline(always)]
+    pub(super) fn look(&self, object: Object, (position, viewpoint): (usize, usize)) -> usize {
+        self.index[self.key(object, position, viewpoint)] as usize
+    }
+
+    /// How a look of a scan sees its object.
+    #[inline(always)]
+    pub(super) fn sighting(&self, object: Object, position: usize, viewpoint: usize) -> Sighting {
+        self.taken[self.look(object, (position, viewpoint)) - 1].1
+    }
+
+    /// The sighting that a label came from; the object is no first one.
+    #[inline(always)]
+    pub(super) fn told_by(&self, object: Object) -> Sighting {
+        self.taken[object.look as usize - 1].1
+    }
+
+    /// The label that an object last gave from a viewpoint since it came to a position, if the model can repeat it.
+    fn last_label(
+        &self,
+        model: &SortingModel,
+        mut object: Object,
+        position: usize,
+        viewpoint: usize,
+    ) -> Option<usize> {
+        if model.repeat(position, viewpoint) == 0.0 {
+            return None;
+        }
+        while object.look > 0 {
+            let (before, sighting) = self.taken[object.look as usize - 1];
+            if sighting.position != position {
+                return None;
+            }
+            if sighting.viewpoint == viewpoint {
+                return Some(object.label as usize);
+            }
+            object = before;
+        }
+        let still_there = object.label as usize == position;
+        still_there.then(|| self.memory.last(model, position, viewpoint)).flatten()
+    }
+
+    /// Where a look at an object that has a row is indexed.
+    #[inline(always)]
+    fn key(&self, object: Object, position: usize, viewpoint: usize) -> usize {
+        self.rows[self.at(object, position)] as usize * self.viewpoints + viewpoint
+    }
+
+    /// Objects are numbered label by label, look by look.
+    #[inline(always)]
+    fn at(&self, object: Object, position: usize) -> usize {
+        let (look, label) = (object.look as usize, object.label as usize);
+        let first = if look == 0 { 0 } else { self.positions + 1 + (look - 1) * self.classes };
+        (first + label) * self.positions + position
+    }
+}
