@@ -65,13 +65,15 @@ def result_of(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
 def test_a_run_sorts_every_object_and_keeps_its_record(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["run", cell_file(folder), "--objects", "2"]) == 0
+    ending = cell_file(folder, ("version = 1", "version = 1\nbelt_ends = true"))
+    assert main(["run", ending, "--objects", "2"]) == 0
     said = capsys.readouterr().out
     assert "sorting 2 objects: elongated, livarno, mushroom, standard" in said
     assert "2 sorted in " in said
     (run,) = (folder / "runs").iterdir()
     assert not run.name.endswith("dry-run")
     entries = read_journal(run / "journal.sqlite")
+    assert entries[0].data["belt_ends"]
     assert entries[-1].data == {"reason": "done"}
     calls = [json.loads(line) for line in (run / "calls.jsonl").read_text().splitlines()]
     assert [call["device"] for call in calls[:4]] == ["arm", "camera", "belt", "sorter"], "asked for health"

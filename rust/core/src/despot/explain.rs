@@ -130,6 +130,7 @@ impl View<'_> {
     fn unscaled(&self, depth: usize, probability: f64, values: Values) -> Values {
         #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // a depth is at most 1000
         let scale = probability * self.model.discount().powi(depth as i32);
-        Values { lower: values.lower / scale, upper: values.upper / scale, estimate: values.estimate / scale }
+        let value = self.space.frontier.tally.value(values);
+        Values { lower: values.lower / scale, upper: values.upper / scale, estimate: value / scale }
     }
 }

@@ -4,15 +4,19 @@ use super::Despot;
 use super::branch::Scan;
 use super::expand::Expansion;
 use super::sightings::Sightings;
+use crate::model::Action;
 use crate::planes;
 use crate::remaining::Remaining;
-use crate::tree::{Child, Node, Place, Tree, id, indices};
+use crate::tree::{Child, Node, Place, Tree, Values, id, indices};
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
 const TARGET_GAP: f64 = 0.95;
 
 /// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
 const SOLVED: f64 = 1e-10;
+
+/// Trials at which a plan trusts lower bounds as much as estimates.
+const LARGE: f64 = 4000.0;
 
 /// What a search has done.
 #[derive(Debug, Clone, Copy, Default)]
@@ -23,6 +27,17 @@ pub(super) struct Tally {
     pub scenario_steps: u64,
     /// Beliefs created.
     pub nodes: u64,
+}
+
+impl Tally {
+    /// What a tree of this size says that something is worth: between the estimate and, in a large one, the lower bound.
+    ///
+    /// A shortfall is fitted to beliefs such as small trees have; the larger the tree, the less it holds for its leaves,
+    /// and the less is left of it between a lower bound and the value.
+    pub(super) fn value(self, Values { lower, estimate, .. }: Values) -> f64 {
+        let large = self.trials as f64 / (self.trials as f64 + LARGE);
+        estimate + large * (lower - estimate)
+    }
 }
 
 /// The tree and its leaves on their way to become nodes.
@@ -49,6 +64,15 @@ impl Frontier {
     /// Nodes whose memory is kept.
     pub(super) fn size(&self) -> usize {
         self.tree.nodes.len() + self.spare.len()
+    }
+
+    /// The leaf that a decision at the root leads to, unless a scan or the end follows.
+    pub(super) fn after_decision(&self) -> Option<Place> {
+        let root = &self.tree.nodes[0];
+        let (edge, decision) =
+            (0..).zip(&root.edges).find(|(_, edge)| matches!(edge.action, Action::Decide(_)))?;
+        let [leaf] = &root.children[indices(&decision.children)] else { return None };
+        (leaf.values.gap() > 0.0).then_some(Place { node: 0, edge, child: decision.children.start })
     }
 
     /// Choose the leaves of so many trials, or of fewer if nothing else is worth one.

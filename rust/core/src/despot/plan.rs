@@ -70,8 +70,8 @@ impl Search<'_> {
         let mut values = Vec::new();
         for edge in &root.edges {
             match edge.action {
-                Action::Decide(best) => values.extend(self.decisions(best, edge.values.estimate)),
-                Action::Move(_) => values.push((edge.action, edge.values.estimate)),
+                Action::Decide(best) => values.extend(self.decisions(best, tally.value(edge.values))),
+                Action::Move(_) => values.push((edge.action, tally.value(edge.values))),
             }
         }
         Plan {
@@ -100,12 +100,14 @@ impl Search<'_> {
         self.despot.config.regularization > 0.0
     }
 
-    /// The action with the highest estimate; with regularisation, that with the highest lower bound, or the default
+    /// The action with the highest value; with regularisation, that with the highest lower bound, or the default
     /// policy's own if no planned one is worth its price.
     fn best_action(&self) -> Action {
         let Despot { model, default_policy, .. } = self.despot;
         let root = &self.space.frontier.tree.nodes[0];
-        let worth = |edge: &Edge| if self.regularised() { edge.values.lower } else { edge.values.estimate };
+        let tally = self.space.frontier.tally;
+        let worth =
+            |edge: &Edge| if self.regularised() { edge.values.lower } else { tally.value(edge.values) };
         let best = root
             .edges
             .iter()

@@ -11,7 +11,7 @@ use super::stopping::Clock;
 use super::workspace::{Knowledge, Lease, Workspace};
 use crate::belief::Belief;
 use crate::bounds;
-use crate::tree::Child;
+use crate::tree::{Child, Place};
 
 /// Expansions that are worth waking another thread for, and those done by one task.
 const WORTH_SHARING: usize = 16;
@@ -42,7 +42,8 @@ impl Search<'_> {
         }
     }
 
-    /// The root, expanded whatever the budget says.
+    /// The root, expanded whatever the budget says; on a belt that ends also the belief after a decision. There leaves are
+    /// valued without a shortfall, and one that no scan leads to would be underrated beside those behind a scan.
     fn begin(&mut self, belief: &Belief, viewpoint: usize) {
         let Despot { model, default_policy, randoms, .. } = self.despot;
         let (known, remaining) = (belief.known(), belief.horizon());
@@ -52,8 +53,16 @@ impl Search<'_> {
         let root = Child { values, probability: 1.0, ..Child::default() };
         randoms.reach(0, self.parallel);
         self.space.restart(self.despot, (belief, viewpoint), root);
+        self.expand_now(None);
+        let decided = self.space.frontier.after_decision().filter(|_| remaining.ends());
+        if decided.is_some() {
+            self.expand_now(decided);
+        }
+    }
+
+    fn expand_now(&mut self, leaf: Option<Place>) {
         let Workspace { frontier, knowledge, scratch, .. } = &mut *self.space;
-        frontier.choose(self.despot, &knowledge.sightings, None);
+        frontier.choose(self.despot, &knowledge.sightings, leaf);
         knowledge.require(self.despot, &frontier.chosen, false);
         let Knowledge { sightings, findings, points } = knowledge;
         findings.work_out(self.despot, sightings, points.drain(..), false);
