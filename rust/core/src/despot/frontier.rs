@@ -16,7 +16,7 @@ const TARGET_GAP: f64 = 0.95;
 const SOLVED: f64 = 1e-10;
 
 /// Trials at which a plan trusts lower bounds as much as estimates.
-const LARGE: f64 = 4000.0;
+const LARGE: f64 = 1000.0;
 
 /// What a search has done.
 #[derive(Debug, Clone, Copy, Default)]
