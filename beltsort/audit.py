@@ -73,7 +73,8 @@ class Step:
         """
         if self.reason is not None or self.planner is None:
             return None
-        settings = {**self.planner, "seconds": None, "trials": self.entry.data["trials"]}
+        trials = max(1, self.entry.data["trials"])  # none where the root alone settled it
+        settings = {**self.planner, "seconds": None, "trials": trials}
         return Despot(self.model, **settings).plan(self.belief, self.viewpoint)
 
 
