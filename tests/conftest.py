@@ -1,10 +1,14 @@
-"""A table of the faults that the tests have injected."""
+"""Ctrl-C for the processes that tests start, and a table of the faults that tests have injected."""
 
+import signal
 from collections.abc import Callable
 
 import pytest
 
 from tests.account import Account, table
+
+# A shell has its background jobs ignore Ctrl-C, and whatever they start inherits that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
