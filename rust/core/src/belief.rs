@@ -75,10 +75,11 @@ impl Belief {
         Ok(Self { memory: Memory::from_rows(model, rows)?, ..self })
     }
 
-    /// The same belief about a belt that ends: so many objects are left to decide, the one at the belt end included.
+    /// The same belief about a belt with so many objects left to decide, the one at the belt end included; `None` for one
+    /// that never ends.
     #[must_use]
-    pub fn ending_after(self, objects: usize) -> Self {
-        Self { remaining: Remaining(Some(objects)), ..self }
+    pub fn with_remaining(self, remaining: Option<usize>) -> Self {
+        Self { remaining: Remaining(remaining), ..self }
     }
 
     /// Objects left to decide, the one at the belt end included; `None` for a belt that never ends.

@@ -83,15 +83,6 @@ pub(crate) fn belts() -> impl Strategy<Value = Option<usize>> {
     prop::option::of(1..=3_usize)
 }
 
-/// Nothing known of the objects on such a belt.
-pub(crate) fn unseen(model: &SortingModel, remaining: Option<usize>) -> Belief {
-    let belief = Belief::new(model);
-    match remaining {
-        Some(objects) => belief.ending_after(objects),
-        None => belief,
-    }
-}
-
 /// Bounds of V* by complete enumeration of `depth` steps, with what any policy can earn at most or least behind.
 pub(crate) fn enumerated_value(
     model: &SortingModel,

@@ -98,14 +98,8 @@ impl PyBelief {
             let rows = labels_or_none("last_labels", value).map_err(ArgumentError::new_err)?;
             belief = belief.with_last_labels(&model.0, &rows).map_err(to_python)?;
         }
-        if let Some(objects) = remaining {
-            belief = belief.ending_after(usize::try_from(objects).map_err(|_| {
-                ArgumentError::new_err(format!(
-                    "remaining = {objects}; give the number of objects left, 0 or more, or None for a belt that never ends"
-                ))
-            })?);
-        }
-        Ok(Self { belief, model: Arc::clone(&model.0) })
+        let remaining = remaining.map(objects_left).transpose()?;
+        Ok(Self { belief: belief.with_remaining(remaining), model: Arc::clone(&model.0) })
     }
 
     /// The model that this belief was made for.
@@ -254,4 +248,12 @@ impl PyBelief {
             self.belief.remaining().map_or_else(String::new, |objects| format!(", remaining={objects}"));
         format!("Belief([{}]{memory}{remaining})", rows.join(", "))
     }
+}
+
+fn objects_left(value: Whole) -> PyResult<usize> {
+    usize::try_from(value).map_err(|_| {
+        ArgumentError::new_err(format!(
+            "remaining = {value}; give the number of objects left, 0 or more, or None for a belt that never ends"
+        ))
+    })
 }

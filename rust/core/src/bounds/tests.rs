@@ -1,8 +1,9 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::belief::Belief;
 use crate::testing::{
-    all_labels, belief_of, belts, enumerable_models, enumerated_value, seeded, small_models, unseen,
+    all_labels, belief_of, belts, enumerable_models, enumerated_value, seeded, small_models,
 };
 
 impl Foresight {
@@ -27,10 +28,7 @@ proptest! {
         weights in prop::collection::vec(0.02..1.0_f64, 6),
         remaining in belts(),
     ) {
-        let mut belief = belief_of(&model, &weights);
-        if let Some(objects) = remaining {
-            belief = belief.ending_after(objects);
-        }
+        let belief = belief_of(&model, &weights).with_remaining(remaining);
         let policy = OneObjectPolicy::solve(&model);
         let (at_least, at_most) = enumerated_value(&model, &belief, 0, 5);
         let (low, high) = (
@@ -45,7 +43,7 @@ proptest! {
     fn a_look_taken_apart_sums_up_to_the_whole(spec in small_models(), remaining in belts()) {
         let model = SortingModel::new(spec).unwrap();
         let policy = OneObjectPolicy::solve(&model);
-        let belief = unseen(&model, remaining);
+        let belief = Belief::new(&model).with_remaining(remaining);
         let looks = looks(&model, &policy, &belief, 0);
         let mut scan = Foresight::default();
         scan.take(&policy, looks.iter(), 0, belief.horizon().unseen(model.position_count()));

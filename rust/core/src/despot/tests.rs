@@ -5,7 +5,7 @@ use super::*;
 use crate::bounds::{self, Foresight, Sighting};
 use crate::model::{Action, ModelSpec};
 use crate::scenario::LabelPlanes;
-use crate::testing::{all_labels, belts, from_weights, models_in_full, paper, seeded, small_models, unseen};
+use crate::testing::{all_labels, belts, from_weights, models_in_full, paper, seeded, small_models};
 use crate::tree::id;
 
 /// The optimum of the sampled, regularised problem by plain recursion over its whole tree.
@@ -130,7 +130,7 @@ proptest! {
         let model = SortingModel::new(spec).unwrap();
         let lambda = if regularized { 0.3 } else { 0.0 };
         let despot = Despot::new(&model, config(scenarios, lambda, 5)).unwrap();
-        let belief = unseen(&model, remaining);
+        let belief = Belief::new(&model).with_remaining(remaining);
         let optimum = BruteForce::optimum(&despot, &belief, 0);
         let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
         for trials in [1, 2, 5, 20, 100, 100_000] {
@@ -152,7 +152,8 @@ proptest! {
     fn certified_bounds_enclose_each_other_and_the_policy(spec in small_models(), remaining in belts()) {
         let model = SortingModel::new(spec).unwrap();
         let despot = Despot::new(&model, DespotConfig { scenarios: 50, ..DespotConfig::default() }).unwrap();
-        let plan = despot.plan(&unseen(&model, remaining), 0, Budget::Trials(20)).unwrap();
+        let belief = Belief::new(&model).with_remaining(remaining);
+        let plan = despot.plan(&belief, 0, Budget::Trials(20)).unwrap();
         prop_assert!(plan.certified_lower.unwrap() <= plan.certified_upper);
         let best = plan.values.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
         let chosen = plan.values.iter().find(|(action, _)| *action == plan.action).unwrap().1;
@@ -208,7 +209,7 @@ fn a_certain_object_is_decided_and_an_unknown_one_looked_at() {
 fn a_far_end_of_the_belt_changes_nothing_and_a_near_one_the_value() {
     let despot = Despot::new(&paper(50.0), DespotConfig::default()).unwrap();
     let lower = |remaining| {
-        let belief = unseen(despot.model(), remaining);
+        let belief = Belief::new(despot.model()).with_remaining(remaining);
         despot.plan(&belief, 0, Budget::Trials(50)).unwrap().certified_lower.unwrap()
     };
     assert!((lower(Some(1000)) - lower(None)).abs() < 1e-3);
@@ -220,7 +221,8 @@ fn a_far_end_of_the_belt_changes_nothing_and_a_near_one_the_value() {
 #[test]
 fn where_nothing_is_left_nothing_is_planned() {
     let despot = Despot::new(&paper(50.0), DespotConfig::default()).unwrap();
-    let error = despot.plan(&unseen(despot.model(), Some(0)), 0, Budget::Trials(1)).unwrap_err();
+    let error =
+        despot.plan(&Belief::new(despot.model()).with_remaining(Some(0)), 0, Budget::Trials(1)).unwrap_err();
     assert!(error.to_string().contains("remaining = 0"), "{error}");
 }
 

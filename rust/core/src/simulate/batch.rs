@@ -53,11 +53,7 @@ impl<'a> Batch<'a> {
             objects: Vec::with_capacity(model.position_count()),
             index: batch,
             arrived: 0,
-            belief: if config.belt_ends {
-                Belief::new(model).ending_after(config.batch_size)
-            } else {
-                Belief::new(model)
-            },
+            belief: Belief::new(model).with_remaining(config.belt_ends.then_some(config.batch_size)),
             given: Memory::new(truth),
             viewpoint: config.viewpoint,
             discount: 1.0,
