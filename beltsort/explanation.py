@@ -38,7 +38,7 @@ def explain(model: SortingModel, plan: Plan, depth: int = 2) -> str:
     >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
     >>> plan = beltsort.Despot(model, trials=100).plan(beltsort.Belief(model, [[0.3, 0.7]]))
     >>> print(explain(model, plan))
-    Deciding bolt now would be right with 70 % and worth 7.4; one more look, from front, is worth 16.4.
+    Deciding bolt now would be right with 70 % and worth 7.0; one more look, from front, is worth 16.2.
     After 'move to front and scan', most likely:
       if it says bolt (62 %): 90 % bolt, then move to front and scan
       if it says nut (38 %): 63 % nut, then move to front and scan

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel
+from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel, evaluate
 
 from .models import random_belief, random_model
 from .trees import nodes
@@ -49,6 +49,18 @@ def test_bounds_tighten_with_trials(seed: int, regularization: float) -> None:
         assert plan.certified_lower is not None
         assert plan.certified_upper is not None
         assert plan.certified_lower <= plan.certified_upper
+
+
+def test_searching_on_where_scenarios_have_run_out_does_no_harm(paper: SortingModel) -> None:
+    planner = Despot(paper, scenarios=3, trials=200)
+    at_root = planner.plan(Belief(paper))
+    assert max(at_root.values.values()) > at_root.upper, "no estimate is cut by the sampled problem's bound"
+    few, many = (
+        evaluate(paper, Despot(paper, scenarios=3, trials=trials), batches=20, seed=8).summary()
+        for trials in (20, 200)
+    )
+    gain = many["expected_discounted_returns"]["mean"] - few["expected_discounted_returns"]["mean"]
+    assert gain > -1, "more trials once were worth -6"
 
 
 TRAVEL = st.lists(st.sets(st.integers(0, 2)).map(sorted), min_size=3, max_size=3)

@@ -15,8 +15,8 @@
 //!
 //! The action is chosen by a third value, an estimate: the lower bound plus what the default policy is expected to
 //! fall short by ([`shortfall`]). Lower bounds rise where the search has looked deeper; estimates do so only
-//! where looking deeper has found more than it finds on average. The larger the tree, the more the lower bound counts for
-//! the choice.
+//! where looking deeper has found more than it finds on average. They heed no upper bound but a leaf's own: the bound of
+//! the sampled problem falls below V* wherever scenarios run out, first where most was searched.
 //!
 //! Leaves are expanded in batches whose size depends on the trials done alone, and a batch is chosen while the one before
 //! it is being expanded, however many threads there are: so they share the work without a say in the result.
@@ -183,11 +183,12 @@ impl Despot {
     ) -> Values {
         let scale = self.scale(depth, probability);
         let lower = scale * value;
+        let certified = scale * upper;
         let upper =
-            if depth < self.depth { lower.max(scale * upper - self.config.regularization) } else { lower };
+            if depth < self.depth { lower.max(certified - self.config.regularization) } else { lower };
         let prospect = Prospect { mass: scale, value: lower, entropy: scale * entropy };
-        let estimate = (lower + self.shortfall.at(prospect, remaining)).min(upper);
-        Values { lower, upper, estimate }
+        let estimate = (lower + self.shortfall.at(prospect, remaining)).min(certified);
+        Values { lower, upper, estimate, certified }
     }
 }
 

@@ -14,16 +14,18 @@ use crate::remaining::Remaining;
 pub(crate) struct Values {
     /// Lower bound of the regularised value, `l` of the DESPOT paper.
     pub lower: f64,
-    /// Upper bound, `mu` of the DESPOT paper.
+    /// Upper bound of the same, `mu` of the DESPOT paper.
     pub upper: f64,
-    /// Best guess of the value itself: between the bounds, and on average no larger after a backup than before.
+    /// Best guess of V*: on average no larger after a backup than before.
     pub estimate: f64,
+    /// Upper bound of V*. In a large tree `upper` is none: there labels without a scenario follow the default policy.
+    pub certified: f64,
 }
 
 impl Values {
     /// A value that is known.
     pub(crate) fn all(value: f64) -> Self {
-        Self { lower: value, upper: value, estimate: value }
+        Self { lower: value, upper: value, estimate: value, certified: value }
     }
 
     /// How far the bounds are apart.
@@ -35,12 +37,14 @@ impl Values {
         self.lower += other.lower;
         self.upper += other.upper;
         self.estimate += other.estimate;
+        self.certified += other.certified;
     }
 
     fn raise(&mut self, other: Self) {
         self.lower = self.lower.max(other.lower);
         self.upper = self.upper.max(other.upper);
         self.estimate = self.estimate.max(other.estimate);
+        self.certified = self.certified.max(other.certified);
     }
 }
 
@@ -174,11 +178,12 @@ impl Node {
 
     /// Bellman's equation: the best action; the bounds also know the default policy.
     pub(crate) fn best_values(&self) -> Values {
-        let mut best = Values { lower: self.default, upper: self.default, estimate: f64::NEG_INFINITY };
+        let (default, none) = (self.default, f64::NEG_INFINITY);
+        let mut best = Values { lower: default, upper: default, estimate: none, certified: none };
         for edge in &self.edges {
             best.raise(edge.values);
         }
-        best.estimate = best.estimate.max(best.lower).min(best.upper);
+        best.estimate = best.estimate.min(best.certified).max(best.lower);
         best
     }
 

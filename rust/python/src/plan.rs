@@ -12,7 +12,8 @@ use crate::plan_tree;
 ///
 /// `values` are estimates: the search's lower bound, plus what the default policy is expected to fall short of
 /// the best one by wherever the search has not looked. The action is chosen by them. `lower` and `upper` bound
-/// the search's own problem, `certified_lower` and `certified_upper` the optimal value of the model itself.
+/// the search's own problem, and its `upper` may lie below the estimates; `certified_lower` and
+/// `certified_upper` bound the optimal value of the model itself.
 ///
 /// Examples
 /// --------

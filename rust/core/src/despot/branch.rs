@@ -5,6 +5,7 @@ use super::objects::Objects;
 use super::shortfall::Prospect;
 use crate::bounds::{self, Foresight, Look, Sighting};
 use crate::model::{Action, SortingModel};
+use crate::one_object::dot;
 use crate::planes;
 use crate::remaining::Remaining;
 use crate::scenario::LookPoint;
@@ -54,6 +55,8 @@ pub(super) struct Brancher {
     points: Vec<LookPoint>,
     /// Upper bound after each label of the object at the belt end.
     uppers: Vec<f64>,
+    /// The same expected over all labels.
+    expected_upper: f64,
     /// Label of each position.
     labels: Vec<usize>,
     /// Scenarios left at each position, and behind the last one all of the node.
@@ -66,6 +69,8 @@ pub(super) struct Brancher {
     entropies: Vec<f64>,
     /// All labels with a branch.
     branched: Prospect,
+    /// Upper bound of what they promise.
+    branched_upper: f64,
 }
 
 impl Brancher {
@@ -91,6 +96,7 @@ impl Brancher {
         let upper = bounds::upper_knowing(model, scan.viewpoint, scan.remaining);
         for look in looks.clone().take(1) {
             self.uppers.extend((0..model.class_count()).map(|z| upper(look.most_likely(z).1)));
+            self.expected_upper = dot(look.probabilities(), &self.uppers);
         }
         model.spec().information_gain * looks.map(Look::information).sum::<f64>()
     }
@@ -134,7 +140,7 @@ impl Brancher {
         self.worth[h * arrival.len()..].copy_from_slice(arrival);
         self.entropies.clear();
         self.entropies.resize(h + 1, 0.0);
-        self.branched = Prospect::default();
+        (self.branched, self.branched_upper) = (Prospect::default(), 0.0);
     }
 
     /// Take the label at hand of one position; whether any scenario gives it.
@@ -161,17 +167,14 @@ impl Brancher {
         let l = despot.model.class_count() as u64;
         let probability = self.probabilities[0];
         let (value, entropy) = (self.worth[self.foresight.group()], self.entropies[0]);
+        let upper = self.uppers[self.labels[0]];
         self.branched.mass += probability;
         self.branched.value += probability * value;
         self.branched.entropy += probability * entropy;
+        self.branched_upper += probability * upper;
         let probability = node.probability * probability;
         let labels = self.labels.iter().rev().fold(0, |code, z| code * l + *z as u64);
-        let values = despot.leaf(
-            (node.depth + 1, probability, self.remaining),
-            value,
-            entropy,
-            self.uppers[self.labels[0]],
-        );
+        let values = despot.leaf((node.depth + 1, probability, self.remaining), value, entropy, upper);
         Child { values, probability, labels, node: None }
     }
 
@@ -186,6 +189,8 @@ impl Brancher {
             entropy: next * (self.foresight.expected_entropy() - self.branched.entropy),
         };
         let bound = scale * reward + rest.value - despot.config.regularization;
-        Values { estimate: bound + despot.shortfall.at(rest, self.remaining), ..Values::all(bound) }
+        let estimate = bound + despot.shortfall.at(rest, self.remaining);
+        let certified = scale * reward + next * (self.expected_upper - self.branched_upper);
+        Values { estimate, certified, ..Values::all(bound) }
     }
 }

@@ -103,7 +103,8 @@ impl Run<'_> {
             let below = (node.depth + 1, node.probability, remaining);
             let values = despot.leaf(below, value, left_to_learn(model, belief), upper);
             node.children.push(Child { values, probability: node.probability, labels: 0, node: None });
-            Values::all(despot.scale(node.depth, node.probability) * reward - despot.config.regularization)
+            let reward = despot.scale(node.depth, node.probability) * reward;
+            Values { certified: reward, ..Values::all(reward - despot.config.regularization) }
         };
         node.push_edge(action, fixed, first);
     }

@@ -77,7 +77,7 @@ impl View<'_> {
         depth: usize,
     ) -> TreeNode {
         let node = child.node.map(|node| &self.space.frontier.tree.nodes[node as usize]);
-        let Values { lower, upper, estimate } = self.unscaled(at, child.probability, child.values);
+        let Values { lower, upper, estimate, .. } = self.unscaled(at, child.probability, child.values);
         let shown = node.filter(|_| depth > 0);
         let actions = shown.map_or_else(Vec::new, |node| self.actions(node, objects, depth));
         TreeNode {
@@ -99,7 +99,7 @@ impl View<'_> {
     }
 
     fn action(&self, from: &Node, objects: &[Object], edge: &Edge, depth: usize) -> TreeAction {
-        let Values { lower, upper, estimate } = self.unscaled(from.depth, from.probability, edge.values);
+        let Values { lower, upper, estimate, .. } = self.unscaled(from.depth, from.probability, edge.values);
         let children = &from.children[indices(&edge.children)];
         let mut branches: Vec<_> =
             children.iter().map(|child| self.branch(from, objects, edge.action, child, depth)).collect();
@@ -130,7 +130,12 @@ impl View<'_> {
     fn unscaled(&self, depth: usize, probability: f64, values: Values) -> Values {
         #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // a depth is at most 1000
         let scale = probability * self.model.discount().powi(depth as i32);
-        let value = self.space.frontier.tally.value(values);
-        Values { lower: values.lower / scale, upper: values.upper / scale, estimate: value / scale }
+        let Values { lower, upper, estimate, certified } = values;
+        Values {
+            lower: lower / scale,
+            upper: upper / scale,
+            estimate: estimate / scale,
+            certified: certified / scale,
+        }
     }
 }

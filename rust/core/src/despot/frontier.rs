@@ -7,16 +7,13 @@ use super::sightings::Sightings;
 use crate::model::Action;
 use crate::planes;
 use crate::remaining::Remaining;
-use crate::tree::{Child, Node, Place, Tree, Values, id, indices};
+use crate::tree::{Child, Node, Place, Tree, id, indices};
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
 const TARGET_GAP: f64 = 0.95;
 
 /// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
 const SOLVED: f64 = 1e-10;
-
-/// Trials at which a plan trusts lower bounds as much as estimates.
-const LARGE: f64 = 1000.0;
 
 /// What a search has done.
 #[derive(Debug, Clone, Copy, Default)]
@@ -27,17 +24,6 @@ pub(super) struct Tally {
     pub scenario_steps: u64,
     /// Beliefs created.
     pub nodes: u64,
-}
-
-impl Tally {
-    /// What a tree of this size says that something is worth: between the estimate and, in a large one, the lower bound.
-    ///
-    /// A shortfall is fitted to beliefs such as small trees have; the larger the tree, the less it holds for its leaves,
-    /// and the less is left of it between a lower bound and the value.
-    pub(super) fn value(self, Values { lower, estimate, .. }: Values) -> f64 {
-        let large = self.trials as f64 / (self.trials as f64 + LARGE);
-        estimate + large * (lower - estimate)
-    }
 }
 
 /// The tree and its leaves on their way to become nodes.

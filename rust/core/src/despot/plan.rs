@@ -70,8 +70,8 @@ impl Search<'_> {
         let mut values = Vec::new();
         for edge in &root.edges {
             match edge.action {
-                Action::Decide(best) => values.extend(self.decisions(best, tally.value(edge.values))),
-                Action::Move(_) => values.push((edge.action, tally.value(edge.values))),
+                Action::Decide(best) => values.extend(self.decisions(best, edge.values.estimate)),
+                Action::Move(_) => values.push((edge.action, edge.values.estimate)),
             }
         }
         Plan {
@@ -84,7 +84,7 @@ impl Search<'_> {
             } else {
                 bounds.lower
             }),
-            certified_upper,
+            certified_upper: certified_upper.min(bounds.certified),
             trials: tally.trials,
             elapsed: self.clock.elapsed(),
             scenario_steps: tally.scenario_steps,
@@ -105,9 +105,7 @@ impl Search<'_> {
     fn best_action(&self) -> Action {
         let Despot { model, default_policy, .. } = self.despot;
         let root = &self.space.frontier.tree.nodes[0];
-        let tally = self.space.frontier.tally;
-        let worth =
-            |edge: &Edge| if self.regularised() { edge.values.lower } else { tally.value(edge.values) };
+        let worth = |edge: &Edge| if self.regularised() { edge.values.lower } else { edge.values.estimate };
         let best = root
             .edges
             .iter()

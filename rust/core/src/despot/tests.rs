@@ -5,7 +5,10 @@ use super::*;
 use crate::bounds::{self, Foresight, Sighting};
 use crate::model::{Action, ModelSpec};
 use crate::scenario::LabelPlanes;
-use crate::testing::{all_labels, belts, from_weights, models_in_full, paper, seeded, small_models};
+use crate::testing::{
+    all_labels, belief_of, belts, enumerable_models, enumerated_value, from_weights, models_in_full, paper,
+    seeded, small_models,
+};
 use crate::tree::id;
 
 /// The optimum of the sampled, regularised problem by plain recursion over its whole tree.
@@ -146,6 +149,22 @@ proptest! {
             prop_assert_eq!(tree.child(node.place).node, Some(id(index)), "expanded twice");
         }
         prop_assert!((lower - optimum).abs() < 1e-6, "{lower} is not {optimum}");
+    }
+
+    #[test]
+    fn certified_bounds_enclose_the_exact_value_where_scenarios_run_out(
+        model in enumerable_models(),
+        weights in prop::collection::vec(0.02..1.0_f64, 6),
+        remaining in belts(),
+    ) {
+        let belief = belief_of(&model, &weights).with_remaining(remaining);
+        let (at_least, at_most) = enumerated_value(&model, &belief, 0, 5);
+        let despot = Despot::new(&model, config(3, 0.0, 50)).unwrap();
+        for trials in [1, 10, 100] {
+            let plan = despot.plan(&belief, 0, Budget::Trials(trials)).unwrap();
+            prop_assert!(plan.certified_lower.is_none_or(|lower| lower <= at_most + 1e-9));
+            prop_assert!(plan.certified_upper >= at_least - 1e-9);
+        }
     }
 
     #[test]
