@@ -15,8 +15,8 @@
 //!
 //! The action is chosen by a third value, an estimate: the lower bound plus what the default policy is expected to
 //! fall short by ([`shortfall`]). Lower bounds rise where the search has looked deeper; estimates do so only
-//! where looking deeper has found more than it finds on average. They heed no upper bound but a leaf's own: the bound of
-//! the sampled problem falls below V* wherever scenarios run out, first where most was searched.
+//! where looking deeper has found more than it finds on average. They are cut by upper bounds of V* alone: that of the
+//! sampled problem falls below V* wherever scenarios run out, first where most was searched.
 //!
 //! Leaves are expanded in batches whose size depends on the trials done alone, and a batch is chosen while the one before
 //! it is being expanded, however many threads there are: so they share the work without a say in the result.

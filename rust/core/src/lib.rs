@@ -28,6 +28,15 @@
 //! | default value plus a constant | 32.77 | 32.30 | 32.22 |
 //! | linear in the default value, fitted to the greedy policy's own visits | 32.68 | 32.49 | 31.78 |
 //! | linear, fitted at beliefs such as searches meet (as now) | 32.76 | 32.86 | 32.94 |
+//!
+//! In a large tree it matters which upper bound cuts the estimates. The same on another such model, simulation seed 8,
+//! 400, 200 and 100 batches; standard error 0.3, 0.4 and 0.55, of the last row's difference to the one above 0.36:
+//!
+//! | estimates are cut by an upper bound | 150 trials | 1500 trials | 15,000 trials |
+//! |---|---|---|---|
+//! | of the sampled problem | 32.83 | 33.31 | 30.74 |
+//! | of V* (as now) | 32.83 | 33.30 | 33.44 |
+//! | the action is chosen by the lower bound | | 32.21 | 32.64 |
 
 mod belief;
 mod bounds;
