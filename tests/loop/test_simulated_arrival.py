@@ -14,10 +14,9 @@ from beltsort.cell.simulated import ArmErrors, CellConfig, SimulatedCell
 from beltsort.cell.wrappers.fault_kinds import Fault
 from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
-from beltsort.journal import Journal, read_journal
+from beltsort.journal import Entry, Journal, read_journal
 from beltsort.perception import Perception
 from beltsort.report import SortingReport
-from beltsort.rules import Rules
 from beltsort.sorter import sort_objects
 from beltsort.tables.collect import collect_training
 from tests.cell.conftest import PERFECT_SENSOR
@@ -31,10 +30,8 @@ def perception() -> Perception:
     return Perception(CONFIG.layout, collect_training(CONFIG, objects=1, seed=3, workers=1))
 
 
-def run(
-    path: Path, perception: Perception, wrong: tuple[int, ...], rules: Rules
-) -> tuple[SortingReport, list[dict[str, Any]]]:
-    """Return the report of a run and its scans."""
+def run(path: Path, perception: Perception, wrong: tuple[int, ...]) -> tuple[SortingReport, list[Entry]]:
+    """Return the report of a run and its journal."""
     cell = SimulatedCell(TRUE, CONFIG, seed=SEED)
     faults = Faults(FaultPlan(schedule={("move_to", n): Fault.WRONG_ARRIVAL for n in wrong}), len(cell.poses))
     devices = (WrappedArm(cell, faults), WrappedCamera(cell, faults), cell, cell)
@@ -43,12 +40,17 @@ def run(
     model = beltsort.SortingModel(cell.classes, cell.viewpoints, [table * 3] * 2)
     planner = beltsort.Despot(model, trials=20, scenarios=100)
     with Journal(path) as journal:
-        report = sort_objects(faulty, perception, planner, model, journal, objects=len(TRUE), rules=rules)
-    return report, [entry.data for entry in read_journal(path) if entry.kind == "scan"]
+        report = sort_objects(faulty, perception, planner, model, journal, objects=len(TRUE))
+    return report, read_journal(path)
+
+
+def data(journal: list[Entry], kind: str) -> list[dict[str, Any]]:
+    return [entry.data for entry in journal if entry.kind == kind]
 
 
 def test_decisions_and_beliefs_are_those_of_the_faultless_run(tmp_path: Path, perception: Perception) -> None:
-    faultless = run(tmp_path / "faultless", perception, (), Rules())
-    assert run(tmp_path / "watched", perception, WRONG, Rules()) == faultless
-    unwatched = Rules(arrival_angle=180.0, arrival_distance=1e6)
-    assert run(tmp_path / "unwatched", perception, WRONG, unwatched) != faultless
+    report, journal = run(tmp_path / "faultless", perception, ())
+    watched_report, watched = run(tmp_path / "watched", perception, WRONG)
+    assert watched_report == report
+    assert data(watched, "scan") == data(journal, "scan")
+    assert (len(data(watched, "wrong_viewpoint")), data(journal, "wrong_viewpoint")) == (len(WRONG), [])
