@@ -26,15 +26,12 @@ pub(crate) fn lower(
 
 /// Upper bound of V*: from the second step on, every class is known and each step earns `r_max` and the largest bonus.
 ///
-/// Now, the best is to decide on what is known, or to pay for the cheapest move. Nothing follows the last object.
+/// Now, the best is to decide on what is known, or to pay for the cheapest move.
 pub(crate) fn upper(model: &SortingModel, (belief, remaining): (&[f64], Remaining), viewpoint: usize) -> f64 {
-    if remaining.is_over() {
-        return 0.0;
-    }
     upper_knowing(model, viewpoint, remaining)(most_likely(&belief[..model.class_count()]).1)
 }
 
-/// The same where the most likely class at the belt end has probability `p_right`.
+/// The same where the most likely class at the belt end has probability `p_right`. Nothing follows the last object.
 #[inline(always)]
 pub(crate) fn upper_knowing(
     model: &SortingModel,
@@ -46,7 +43,12 @@ pub(crate) fn upper_knowing(
     let bonus = most_bonus(model);
     let known = |remaining: Remaining| model.discount() * all_known(model, remaining, bonus);
     let (after_decision, after_move) = (known(remaining.after(1)), known(remaining) - cheapest);
-    move |p_right| bonus + (model.decision_reward(p_right) + after_decision).max(after_move)
+    move |p_right| {
+        if remaining.is_over() {
+            return 0.0;
+        }
+        bonus + (model.decision_reward(p_right) + after_decision).max(after_move)
+    }
 }
 
 /// What is earned at most once every class is known, if every scan earns the largest bonus all the same.

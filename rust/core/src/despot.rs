@@ -26,6 +26,7 @@ mod config;
 mod expand;
 mod explain;
 mod frontier;
+mod histories;
 mod objects;
 mod plan;
 mod search;

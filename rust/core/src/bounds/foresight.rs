@@ -2,7 +2,7 @@
 //!
 //! Positions are independent, so `H * L` entries describe all `L^H` outcomes.
 
-use super::Look;
+use super::look::{Look, value};
 use crate::one_object::{OneObjectPolicy, dot};
 use crate::remaining::Remaining;
 
@@ -60,15 +60,7 @@ impl Foresight {
     fn choose(&mut self, look: &Look, position: usize, label: usize, group: usize) {
         let at = position * self.classes + label;
         let (here, behind) = self.expected.split_at_mut((position + 1) * self.groups);
-        let mut best = (f64::NEG_INFINITY, None);
-        for plan in look.plans(label, group) {
-            let value = value(plan, &behind[..self.groups]);
-            if value > best.0 {
-                best = (value, Some(plan));
-            }
-        }
-        // There is none for a label of probability 0.
-        if let (value, Some(plan)) = best {
+        if let Some((plan, value)) = look.best(label, group, &behind[..self.groups]) {
             let length = 1 + self.groups;
             self.plans[(at * self.groups + group) * length..][..length].copy_from_slice(plan);
             here[position * self.groups + group] += self.probabilities[at] * value;
@@ -122,10 +114,4 @@ impl Foresight {
     pub(crate) fn group(&self) -> usize {
         self.group
     }
-}
-
-/// Value of a plan, given its `G` and `D_s`, when `behind` follows.
-#[inline(always)]
-fn value(plan: &[f64], behind: &[f64]) -> f64 {
-    plan[1..].iter().zip(behind).fold(plan[0], |value, (discount, w)| value + w * discount)
 }

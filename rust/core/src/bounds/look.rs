@@ -38,14 +38,16 @@ pub(crate) struct Look {
 }
 
 impl Look {
-    /// Take apart a look at an object with this distribution.
-    pub(crate) fn take(
+    /// Take apart a look at an object with this distribution; `known` tells after which label of which look the same
+    /// is known of the object as after one of these.
+    pub(crate) fn take<'a>(
         &mut self,
         model: &SortingModel,
         policy: &OneObjectPolicy,
         distribution: &[f64],
         (Sighting { position, viewpoint, last }, ends): (Sighting, bool),
         weighed: &mut Weighed,
+        known: impl Fn(usize) -> Option<(&'a Self, usize)>,
     ) {
         self.clear(model, policy);
         let rewarded = model.spec().information_gain > 0.0;
@@ -55,9 +57,12 @@ impl Look {
         for z in 0..self.classes {
             self.outcome(distribution, model.likelihoods(position, viewpoint, last, z));
             self.entropies.push(if rewarded { entropy(self.posterior(z)) } else { 0.0 });
+            let known = known(z);
             for group in 0..self.groups {
-                let posterior = &self.posteriors[z * self.classes..];
-                if self.probabilities[z] > 0.0 {
+                if let Some((look, label)) = known {
+                    self.plans.extend(look.plans(label, group));
+                } else if self.probabilities[z] > 0.0 {
+                    let posterior = &self.posteriors[z * self.classes..];
                     policy.candidates((group, behind, ends), posterior, &mut self.plans, weighed);
                 }
                 self.ends.push(self.plans.len());
@@ -65,17 +70,25 @@ impl Look {
         }
     }
 
-    /// Take distributions for posteriors, as if each were that of a label.
+    /// Take the distributions at all positions, and behind them that of an unseen object, for posteriors, as if each
+    /// were that of a label.
     pub(crate) fn pretend<'a>(
         &mut self,
         model: &SortingModel,
         policy: &OneObjectPolicy,
         distributions: impl Iterator<Item = &'a [f64]>,
+        ends: bool,
     ) {
         self.clear(model, policy);
-        for distribution in distributions {
+        let mut weighed = Weighed::default();
+        for (position, distribution) in distributions.enumerate() {
             self.posteriors.extend(distribution);
             self.most_likely.push(most_likely(distribution));
+            let behind = (model.position_count() - 1).saturating_sub(position);
+            for group in 0..self.groups {
+                policy.candidates((group, behind, ends), distribution, &mut self.plans, &mut weighed);
+                self.ends.push(self.plans.len());
+            }
         }
     }
 
@@ -134,13 +147,33 @@ impl Look {
         self.information
     }
 
+    /// The best plan after a label from a group (the first among equals) when `behind` follows, and its value; none
+    /// for a label of probability 0.
+    #[inline(always)]
+    pub(crate) fn best(&self, label: usize, group: usize, behind: &[f64]) -> Option<(&[f64], f64)> {
+        let mut best = (f64::NEG_INFINITY, None);
+        for plan in self.plans(label, group).chunks_exact(1 + self.groups) {
+            let value = value(plan, behind);
+            if value > best.0 {
+                best = (value, Some(plan));
+            }
+        }
+        best.1.map(|plan| (plan, best.0))
+    }
+
     /// The plans that may be best after a label from a group, each its `G` and `D_s` at the posterior.
     #[inline(always)]
-    pub(crate) fn plans(&self, label: usize, group: usize) -> impl Iterator<Item = &[f64]> {
+    fn plans(&self, label: usize, group: usize) -> &[f64] {
         let at = label * self.groups + group;
         let first = if at == 0 { 0 } else { self.ends[at - 1] };
-        self.plans[first..self.ends[at]].chunks_exact(1 + self.groups)
+        &self.plans[first..self.ends[at]]
     }
+}
+
+/// Value of a plan, given its `G` and `D_s`, when `behind` follows.
+#[inline(always)]
+pub(super) fn value(plan: &[f64], behind: &[f64]) -> f64 {
+    plan[1..].iter().zip(behind).fold(plan[0], |value, (discount, w)| value + w * discount)
 }
 
 /// A look from one viewpoint at every object that is left at a position.
@@ -156,7 +189,7 @@ pub(crate) fn looks(
         let mut look = Look::default();
         let last = belief.memory().last(model, position, viewpoint);
         let sighting = Sighting { position, viewpoint, last };
-        look.take(model, policy, distribution, (sighting, ends), &mut weighed);
+        look.take(model, policy, distribution, (sighting, ends), &mut weighed, |_| None);
         look
     };
     belief.visible().chunks_exact(model.class_count()).enumerate().map(look).collect()

@@ -4,7 +4,7 @@ use super::Despot;
 use super::branch::{Brancher, Scan};
 use super::objects::Objects;
 use super::shortfall::left_to_learn;
-use crate::bounds;
+use crate::bounds::{self, Sighting};
 use crate::model::Action;
 use crate::tree::{Child, Node, Object, Values, seen};
 
@@ -35,7 +35,7 @@ impl Expansion {
 /// Buffers of one thread.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    /// The objects once the belt has advanced, and the belief about them.
+    /// The objects once the belt has advanced, and what they are worth.
     advanced: (Vec<Object>, Vec<f64>),
     brancher: Brancher,
 }
@@ -68,8 +68,10 @@ impl Run<'_> {
     fn arrive(&mut self) {
         let Self { node, scan, despot, known, .. } = self;
         let Some(scan) = scan else { return };
-        for (object, z) in node.objects.iter().zip(seen(&despot.model, node.labels)) {
-            let plane = known.label(scan.look(known.sightings.told_by(*object)), z);
+        for ((position, object), z) in node.objects.iter().enumerate().zip(seen(&despot.model, node.labels)) {
+            let last = known.sightings.label_before(*object);
+            let look = scan.look(Sighting { position, viewpoint: scan.viewpoint, last });
+            let plane = known.label(look, z);
             for (word, plane) in node.scenarios.iter_mut().zip(plane) {
                 *word &= plane;
             }
@@ -79,7 +81,7 @@ impl Run<'_> {
     /// Decide the most likely label and advance the belt; if a scan follows, see what it gives.
     #[inline(always)]
     fn decide(&mut self) {
-        let Self { node, despot, known, scratch: Scratch { advanced: (objects, belief), brancher }, .. } =
+        let Self { node, despot, known, scratch: Scratch { advanced: (objects, worth), brancher }, .. } =
             self;
         let model = &despot.model;
         let (label, p_right) = known.most_likely(node.objects[0]);
@@ -93,15 +95,14 @@ impl Run<'_> {
             brancher.branch(despot, *known, node);
             brancher.fixed(despot, node, reward + bonus)
         } else {
-            belief.clear();
-            for object in objects.iter() {
-                belief.extend(known.distribution(*object));
-            }
             let remaining = node.remaining.after(1);
-            let value = bounds::lower(model, &despot.default_policy, (belief, remaining), node.viewpoint);
-            let upper = bounds::upper(model, (belief, remaining), node.viewpoint);
+            let unseen = remaining.unseen(objects.len());
+            let value = known.value(&despot.default_policy, (objects, unseen), node.viewpoint, worth);
+            let entropy = left_to_learn(model, objects.iter().map(|object| known.distribution(*object)));
+            let p_right = objects.first().map_or(0.0, |object| known.most_likely(*object).1);
+            let upper = bounds::upper_knowing(model, node.viewpoint, remaining)(p_right);
             let below = (node.depth + 1, node.probability, remaining);
-            let values = despot.leaf(below, value, left_to_learn(model, belief), upper);
+            let values = despot.leaf(below, value, entropy, upper);
             node.children.push(Child { values, probability: node.probability, labels: 0, node: None });
             let reward = despot.scale(node.depth, node.probability) * reward;
             Values { certified: reward, ..Values::all(reward - despot.config.regularization) }

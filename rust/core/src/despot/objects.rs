@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use super::Despot;
 use super::sightings::Sightings;
 use crate::belief::Belief;
-use crate::bounds::{Look, Sighting};
+use crate::bounds::Look;
 use crate::model::SortingModel;
 use crate::one_object::{OneObjectPolicy, Weighed};
+use crate::remaining::Remaining;
 use crate::scenario::{LabelPlanes, LookPoint};
 use crate::tree::Object;
 
@@ -32,7 +33,8 @@ impl Findings {
         self.looks.resize_with(self.looks.len().max(1), Look::default);
         self.count = 1;
         let at_root = belief.as_slice().chunks_exact(model.class_count());
-        self.looks[0].pretend(model, default_policy, at_root.chain([model.arrival().as_slice()]));
+        let distributions = at_root.chain([model.arrival().as_slice()]);
+        self.looks[0].pretend(model, default_policy, distributions, belief.horizon().ends());
     }
 
     /// Work out the looks that are new, and in which scenarios those at `points` give which label.
@@ -54,25 +56,28 @@ impl Findings {
         sightings: &Sightings,
         parallel: bool,
     ) {
-        let taken = sightings.taken_from(self.count);
+        let first = self.count;
+        let taken = sightings.taken_from(first);
         self.looks.resize_with(self.looks.len().max(self.count + taken.len()), Look::default);
-        let (known, new) = self.looks.split_at_mut(self.count);
+        let (known, new) = self.looks.split_at_mut(first);
         let ends = sightings.remaining().ends();
-        let take = |weighed: &mut Weighed, (look, (object, sighting)): (&mut Look, &(Object, Sighting))| {
+        let take = |weighed: &mut Weighed, (index, look): (usize, &mut Look)| {
+            let (object, sighting) = taken[index];
             let distribution = known[object.look as usize].posterior(object.label as usize);
-            look.take(model, policy, distribution, (*sighting, ends), weighed);
+            look.take(model, policy, distribution, (sighting, ends), weighed, |label| {
+                let same = sightings.after_look(first + index, label);
+                known.get(same.look as usize).map(|look| (look, same.label as usize))
+            });
         };
-        self.count += taken.len();
+        let new = &mut new[..taken.len()];
         if parallel {
-            new[..taken.len()]
-                .par_iter_mut()
-                .zip(taken)
-                .with_min_len(PER_TASK)
-                .for_each_init(Weighed::default, take);
+            let new = new.par_iter_mut().enumerate().with_min_len(PER_TASK);
+            new.for_each_init(Weighed::default, take);
         } else {
             let mut weighed = Weighed::default();
-            new.iter_mut().zip(taken).for_each(|look| take(&mut weighed, look));
+            new.iter_mut().enumerate().for_each(|look| take(&mut weighed, look));
         }
+        self.count += taken.len();
     }
 }
 
@@ -106,6 +111,32 @@ impl<'a> Objects<'a> {
     #[inline(always)]
     pub(super) fn distribution(self, object: Object) -> &'a [f64] {
         self.findings.looks[object.look as usize].posterior(object.label as usize)
+    }
+
+    /// Value of executing one plan per object, each chosen now: that of
+    /// [`OneObjectPolicy::value`], from the plans that are known to be enough. `worth` is a buffer.
+    #[inline(always)]
+    pub(super) fn value(
+        self,
+        policy: &OneObjectPolicy,
+        (objects, unseen): (&[Object], Remaining),
+        viewpoint: usize,
+        worth: &mut Vec<f64>,
+    ) -> f64 {
+        let groups = policy.group_count();
+        worth.clear();
+        worth.extend(policy.values_of_unseen(unseen));
+        worth.resize(2 * groups, 0.0);
+        for object in objects.iter().rev() {
+            let look = &self.findings.looks[object.look as usize];
+            let (behind, here) = worth.split_at_mut(groups);
+            for (group, here) in here.iter_mut().enumerate() {
+                let best = look.best(object.label as usize, group, behind);
+                *here = best.map_or(f64::NEG_INFINITY, |(_, value)| value);
+            }
+            behind.copy_from_slice(here);
+        }
+        worth[policy.group(viewpoint)]
     }
 
     /// The most likely class of an object, and its probability.

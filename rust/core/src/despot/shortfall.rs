@@ -49,9 +49,9 @@ impl Prospect {
 }
 
 /// Entropy of all positions, where learning is rewarded; 0 elsewhere.
-pub(super) fn left_to_learn(model: &SortingModel, belief: &[f64]) -> f64 {
+pub(super) fn left_to_learn<'a>(model: &SortingModel, distributions: impl Iterator<Item = &'a [f64]>) -> f64 {
     if model.spec().information_gain > 0.0 {
-        return belief.chunks_exact(model.class_count()).map(entropy).sum();
+        return distributions.map(entropy).sum();
     }
     0.0
 }
@@ -154,7 +154,7 @@ impl<'a> Walk<'a> {
         Prospect {
             mass: 1.0,
             value: bounds::lower(self.model, self.policy, belief.known(), self.viewpoint),
-            entropy: left_to_learn(self.model, belief.as_slice()),
+            entropy: left_to_learn(self.model, belief.as_slice().chunks_exact(self.model.class_count())),
         }
     }
 

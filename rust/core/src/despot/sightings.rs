@@ -1,9 +1,11 @@
 //! Which object was seen from where: every look that a search needs, by its number.
 //!
 //! The belief at a node is a product over objects, and what is known about one of them follows from its own labels
-//! alone. Many nodes share it: of two objects there are 16^d histories of labels at depth d, of each only 4^d.
+//! alone. Many nodes share it: of two objects there are 16^d histories of labels at depth d, of each only 4^d. Those
+//! that differ in the order of the labels alone are one object: the first that was known.
 
 use super::branch::Scan;
+use super::histories::Histories;
 use crate::belief::{Belief, Memory};
 use crate::bounds::Sighting;
 use crate::model::{Action, SortingModel};
@@ -26,6 +28,9 @@ pub(crate) struct Sightings {
     rows: Vec<u32>,
     /// Rows: the look from each viewpoint; [`ABSENT`] where there is none yet.
     index: Vec<u32>,
+    histories: Histories,
+    /// After each label of each look the first object with its history: `(look - 1) * L + z`.
+    same: Vec<Object>,
     /// The last labels at the root.
     memory: Memory,
     /// Objects left to decide at the root.
@@ -41,6 +46,8 @@ impl Sightings {
         self.remaining = belief.horizon();
         self.taken.clear();
         self.index.clear();
+        self.histories.restart(model);
+        self.same.clear();
         self.rows.clear();
         self.rows.resize((self.positions + 1) * self.positions, ABSENT);
     }
@@ -94,6 +101,8 @@ impl Sightings {
                 let last = self.last_label(model, *object, position, viewpoint);
                 self.taken.push((*object, Sighting { position, viewpoint, last }));
                 self.index[key] = id(self.taken.len());
+                let look = (self.taken.len(), position, viewpoint);
+                self.histories.add(self.number(*object), look, &mut self.same);
                 self.rows.resize(self.rows.len() + self.classes * self.positions, ABSENT);
             }
         }
@@ -112,7 +121,13 @@ impl Sightings {
         (position, viewpoint): (usize, usize),
         label: usize,
     ) -> Object {
-        Object { look: id(self.look(object, (position, viewpoint))), label: id(label) }
+        self.after_look(self.look(object, (position, viewpoint)), label)
+    }
+
+    /// The same, given the look's number.
+    #[inline(always)]
+    pub(super) fn after_look(&self, look: usize, label: usize) -> Object {
+        self.same[(look - 1) * self.classes + label]
     }
 
     /// Number of a look that has been required.
@@ -127,10 +142,11 @@ impl Sightings {
         self.taken[self.look(object, (position, viewpoint)) - 1].1
     }
 
-    /// The sighting that a label came from; the object is no first one.
+    /// The label that an object had given from the same viewpoint before its last one, if the model can repeat it; the
+    /// object is no first one.
     #[inline(always)]
-    pub(super) fn told_by(&self, object: Object) -> Sighting {
-        self.taken[object.look as usize - 1].1
+    pub(super) fn label_before(&self, object: Object) -> Option<usize> {
+        self.taken[object.look as usize - 1].1.last
     }
 
     /// The label that an object last gave from a viewpoint since it came to a position, if the model can repeat it.
@@ -164,11 +180,16 @@ impl Sightings {
         self.rows[self.at(object, position)] as usize * self.viewpoints + viewpoint
     }
 
-    /// Objects are numbered label by label, look by look.
     #[inline(always)]
     fn at(&self, object: Object, position: usize) -> usize {
+        self.number(object) * self.positions + position
+    }
+
+    /// Objects are numbered label by label, look by look.
+    #[inline(always)]
+    fn number(&self, object: Object) -> usize {
         let (look, label) = (object.look as usize, object.label as usize);
         let first = if look == 0 { 0 } else { self.positions + 1 + (look - 1) * self.classes };
-        (first + label) * self.positions + position
+        first + label
     }
 }

@@ -1,0 +1,119 @@
+//! Which labels an object has given from where, whatever their order.
+//!
+//! Labels are independent given the class, so objects that differ only in the order of their labels have one
+//! distribution; `d` labels come in up to `d!` orders. A history is known by its Zobrist key: the sum of random
+//! numbers, one per label of each viewpoint at each position. Two histories share a key with probability `2^-64`.
+
+use rand::RngExt;
+use rustc_hash::FxHashMap;
+
+use crate::model::SortingModel;
+use crate::sampling::{Purpose, stream};
+use crate::tree::{Object, id};
+
+/// The histories that a search has met so far.
+#[derive(Debug, Default)]
+pub(super) struct Histories {
+    viewpoints: usize,
+    classes: usize,
+    /// Where looks repeat one another their order matters: there every object is taken for itself.
+    ordered: bool,
+    /// How many objects a search starts with.
+    origins: usize,
+    /// A random number per origin, then per label of each viewpoint at each position.
+    marks: Vec<u64>,
+    /// By the objects' numbers.
+    keys: Vec<u64>,
+    /// The object that was first known by each history.
+    first: FxHashMap<u64, Object>,
+}
+
+impl Histories {
+    /// Start a search: objects of which nothing is known but where they were, the last of them unseen.
+    pub(super) fn restart(&mut self, model: &SortingModel) {
+        (self.viewpoints, self.classes) = (model.viewpoint_count(), model.class_count());
+        self.ordered = model.ever_repeats();
+        self.origins = model.position_count() + 1;
+        let labels = model.position_count() * self.viewpoints * self.classes;
+        if self.marks.len() != self.origins + labels {
+            let mut rng = stream(0, Purpose::History, 0);
+            self.marks = (0..self.origins + labels).map(|_| rng.random()).collect();
+        }
+        self.keys.clear();
+        self.keys.extend(&self.marks[..self.origins]);
+        self.first.clear();
+    }
+
+    /// Number the objects after the labels of a look at a numbered one; `same` is given the first object with each
+    /// one's history.
+    pub(super) fn add(
+        &mut self,
+        number: usize,
+        (look, position, viewpoint): (usize, usize, usize),
+        same: &mut Vec<Object>,
+    ) {
+        let before = self.keys[number];
+        let mark = self.origins + (position * self.viewpoints + viewpoint) * self.classes;
+        for label in 0..self.classes {
+            let own = Object { look: id(look), label: id(label) };
+            let key = before.wrapping_add(self.marks[mark + label]);
+            self.keys.push(key);
+            same.push(if self.ordered { own } else { *self.first.entry(key).or_insert(own) });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::ScalarOrMatrix;
+    use crate::testing::paper;
+
+    /// The objects after the given looks (position, viewpoint, label) at an origin, look by look.
+    fn after(
+        histories: &mut Histories,
+        looks: &mut usize,
+        origin: usize,
+        seen: &[(usize, usize, usize)],
+    ) -> Object {
+        let model = paper(50.0);
+        let (origins, classes) = (model.position_count() + 1, model.class_count());
+        let mut object = Object { look: 0, label: id(origin) };
+        for (position, viewpoint, label) in seen {
+            *looks += 1;
+            let first = if object.look == 0 { 0 } else { origins + (object.look as usize - 1) * classes };
+            let number = first + object.label as usize;
+            let mut same = Vec::new();
+            histories.add(number, (*looks, *position, *viewpoint), &mut same);
+            object = same[*label];
+        }
+        object
+    }
+
+    #[test]
+    fn objects_are_one_if_they_gave_the_same_labels_in_whatever_order() {
+        let (mut histories, mut looks) = (Histories::default(), 0);
+        histories.restart(&paper(50.0));
+        let mut after = |origin, seen: &[_]| after(&mut histories, &mut looks, origin, seen);
+        let object = after(0, &[(0, 0, 1), (0, 2, 3), (0, 0, 1), (0, 1, 0)]);
+        assert_eq!(after(0, &[(0, 1, 0), (0, 0, 1), (0, 0, 1), (0, 2, 3)]), object);
+        for (origin, seen) in [
+            (1, [(0, 0, 1), (0, 2, 3), (0, 0, 1), (0, 1, 0)]),
+            (0, [(0, 0, 1), (0, 2, 3), (0, 2, 3), (0, 1, 0)]),
+            (0, [(1, 0, 1), (0, 2, 3), (0, 0, 1), (0, 1, 0)]),
+            (0, [(0, 0, 1), (0, 2, 3), (0, 0, 2), (0, 1, 0)]),
+        ] {
+            assert_ne!(after(origin, &seen), object);
+        }
+    }
+
+    #[test]
+    fn where_looks_repeat_one_another_their_order_matters() {
+        let mut spec = paper(50.0).spec().clone();
+        spec.repeat = Some(ScalarOrMatrix::Scalar(0.5));
+        let (mut histories, mut looks) = (Histories::default(), 0);
+        histories.restart(&SortingModel::new(spec).unwrap());
+        let object = after(&mut histories, &mut looks, 0, &[(0, 0, 1), (0, 1, 2)]);
+        assert_ne!(after(&mut histories, &mut looks, 0, &[(0, 1, 2), (0, 0, 1)]), object);
+    }
+}
