@@ -79,20 +79,37 @@ use crate::solution::PySolution;
 pub struct PyDespot {
     pub planner: BudgetedDespot,
     pub model: Arc<SortingModel>,
-    pool: Option<ThreadPool>,
+    threads: Threads,
+}
+
+/// The threads that work on a plan.
+enum Threads {
+    /// The one that asks for the plan: waking another takes a tenth of a millisecond.
+    Caller,
+    Own(ThreadPool),
+    /// Those of all cores, shared by all planners.
+    Shared,
+}
+
+impl Threads {
+    fn new(threads: Option<Whole>) -> PyResult<Self> {
+        Ok(match threads.map(thread_pool).transpose()? {
+            Some(pool) if pool.current_num_threads() == 1 => Self::Caller,
+            Some(pool) => Self::Own(pool),
+            None => Self::Shared,
+        })
+    }
 }
 
 impl PyDespot {
-    /// Plan with the GIL released, in this planner's own threads if it was given a number of them.
+    /// Plan with the GIL released.
     fn search(&self, py: Python<'_>, belief: &Belief, viewpoint: usize, budget: Budget) -> PyResult<Plan> {
         let (despot, stop) = (&self.planner.despot, AtomicBool::new(false));
-        let plan = || {
-            let parallel = rayon::current_num_threads() > 1;
-            despot.plan_until(belief, viewpoint, budget, parallel, &stop)
-        };
-        let plan_in_pool = || match &self.pool {
-            Some(pool) => pool.install(plan),
-            None => rayon::scope(|_| plan()),
+        let plan = |parallel| despot.plan_until(belief, viewpoint, budget, parallel, &stop);
+        let plan_in_pool = || match &self.threads {
+            Threads::Own(pool) => pool.install(|| plan(true)),
+            Threads::Shared if rayon::current_num_threads() > 1 => rayon::scope(|_| plan(true)),
+            Threads::Shared | Threads::Caller => plan(false),
         };
         let plan = if budget::is_long(budget) {
             interruptible(py, &stop, plan_in_pool)?
@@ -136,7 +153,7 @@ impl PyDespot {
         Ok(Self {
             planner: BudgetedDespot { despot, budget },
             model: Arc::clone(&model.0),
-            pool: threads.map(thread_pool).transpose()?,
+            threads: Threads::new(threads)?,
         })
     }
 
