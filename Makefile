@@ -28,8 +28,9 @@ test: test-rust lint-rust test-python lint-python types  ## every test and check
 test-rust: venv  ## cargo test
 	cargo test
 
-lint-rust: venv  ## clippy and rustfmt
+lint-rust: venv  ## clippy, rustdoc and rustfmt
 	cargo clippy --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 	cargo fmt --all --check
 
 test-python: build venv  ## pytest

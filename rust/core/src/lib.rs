@@ -37,6 +37,10 @@
 //! | of the sampled problem | 32.83 | 33.31 | 30.74 |
 //! | of V* (as now) | 32.83 | 33.30 | 33.44 |
 //! | the action is chosen by the lower bound | | 32.21 | 32.64 |
+//!
+//! Objects that differ only in the order of their labels are one object, and decisions are valued by plans weighed
+//! before: the same plans with 1.02 to 1.05 (`r_min` = 5), 1.08 to 1.2 (50) and 1.2 to 1.3 (500) times as many
+//! expansions per second (the paper's instance, 512 scenarios, 100 to 1000 trials, one core).
 
 mod belief;
 mod bounds;

@@ -79,7 +79,7 @@ impl Solution {
     /// Solve a model for about `time`, or until the gap is closed, or until `stop` is set.
     ///
     /// For one or two positions and viewpoints that are all alike the bounds are tight; otherwise the upper one is
-    /// the closed form of [`crate::bounds`] and the search alone narrows the gap, slowly.
+    /// a closed form (every class known from the next step on) and the search alone narrows the gap, slowly.
     ///
     /// # Errors
     /// [`crate::Error::Argument`] if the time is 0, or a scan has more than 4096 label vectors; [`crate::Error::Model`]

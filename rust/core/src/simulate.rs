@@ -55,7 +55,7 @@ pub struct EvaluationConfig {
 /// Simulate a policy: `model` updates the belief and gives the rewards, `truth` draws classes and labels.
 ///
 /// # Errors
-/// [`Error::Argument`] for arguments that do not fit; whatever the policy returns, and an error for an illegal action.
+/// [`crate::Error::Argument`] for arguments that do not fit; whatever the policy returns, and an error for an illegal action.
 pub fn evaluate(
     model: &SortingModel,
     truth: &SortingModel,
