@@ -4,6 +4,7 @@ use super::Despot;
 use super::branch::{Brancher, Scan};
 use super::objects::Objects;
 use super::shortfall::left_to_learn;
+use super::sightings::act;
 use crate::bounds::{self, Sighting};
 use crate::model::Action;
 use crate::tree::{Child, Node, Object, Values, seen};
@@ -87,10 +88,10 @@ impl Run<'_> {
         let (label, p_right) = known.most_likely(node.objects[0]);
         let action = Action::Decide(label);
         objects.clone_from(&node.objects);
-        known.sightings.shift(objects, node.remaining);
+        let scan = act(model, (node, action), objects);
         let reward = model.decision_reward(p_right);
         let first = node.children.len();
-        let fixed = if let Some(scan) = Scan::of(model, node, action) {
+        let fixed = if let Some(scan) = scan {
             let bonus = brancher.take(despot, *known, objects, &scan);
             brancher.branch(despot, *known, node);
             brancher.fixed(despot, node, reward + bonus)

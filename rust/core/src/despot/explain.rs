@@ -1,7 +1,7 @@
 //! The searched tree as plain data: why an action was chosen.
 
-use super::branch::Scan;
 use super::plan::Plan;
+use super::sightings::{act, at_root};
 use super::workspace::Workspace;
 use crate::model::{Action, SortingModel};
 use crate::planes;
@@ -58,7 +58,7 @@ impl Plan {
     pub fn tree(&self, depth: usize) -> TreeNode {
         let view = View { model: &self.model, space: &self.space };
         let tree = &self.space.frontier.tree;
-        let objects: Vec<_> = self.space.knowledge.sightings.at_root().collect();
+        let objects: Vec<_> = at_root(&self.model, tree.remaining).collect();
         view.node((&tree.root, 0, tree.viewpoint), &objects, depth)
     }
 }
@@ -117,8 +117,10 @@ impl View<'_> {
     ) -> TreeBranch {
         let mut objects = objects.to_vec();
         let (below, _, viewpoint) = from.after(action);
-        self.space.knowledge.sightings.follow(self.model, (from, action), child.labels, &mut objects);
-        let scan = Scan::of(self.model, from, action);
+        let scan = act(self.model, (from, action), &mut objects);
+        if let Some(scan) = &scan {
+            self.space.knowledge.sightings.see(self.model, scan, child.labels, &mut objects);
+        }
         TreeBranch {
             probability: child.probability / from.probability,
             labels: scan.map(|_| seen(self.model, child.labels).collect()),

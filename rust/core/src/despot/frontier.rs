@@ -1,9 +1,8 @@
 //! The tree of a search, and the leaves at which it grows.
 
 use super::Despot;
-use super::branch::Scan;
 use super::expand::Expansion;
-use super::sightings::Sightings;
+use super::sightings::{act, at_root};
 use crate::model::Action;
 use crate::planes;
 use crate::remaining::Remaining;
@@ -62,7 +61,7 @@ impl Frontier {
     }
 
     /// Choose the leaves of so many trials, or of fewer if nothing else is worth one.
-    pub(super) fn choose_leaves(&mut self, despot: &Despot, sightings: &Sightings, trials: usize) {
+    pub(super) fn choose_leaves(&mut self, despot: &Despot, trials: usize) {
         if self.tree.root.values.gap() < SOLVED * despot.model.spec().r_max {
             return;
         }
@@ -71,25 +70,24 @@ impl Frontier {
             if self.tree.child(leaf).values.gap() <= 0.0 {
                 return;
             }
-            self.choose(despot, sightings, leaf);
+            self.choose(despot, leaf);
         }
     }
 
     /// Choose a leaf; until it is attached it counts as settled, so that others are chosen elsewhere.
-    pub(super) fn choose(&mut self, despot: &Despot, sightings: &Sightings, leaf: Option<Place>) {
+    pub(super) fn choose(&mut self, despot: &Despot, leaf: Option<Place>) {
         let mut node = self.spare.pop().unwrap_or_default();
         node.restart(&self.tree, leaf);
         let mut scan = None;
         if let Some(Place { node: parent, edge, .. }) = leaf {
             let parent = &self.tree.nodes[parent as usize];
             let action = parent.edges[edge as usize].action;
-            scan = Scan::of(&despot.model, parent, action);
             node.scenarios.extend(&parent.scenarios);
             node.objects.extend(&parent.objects);
-            sightings.follow(&despot.model, (parent, action), node.labels, &mut node.objects);
+            scan = act(&despot.model, (parent, action), &mut node.objects);
         } else {
             node.scenarios.extend(planes::first(despot.config.scenarios));
-            node.objects.extend(sightings.at_root());
+            node.objects.extend(at_root(&despot.model, self.tree.remaining));
         }
         self.chosen.push(Expansion { node, scan, values: self.tree.child(leaf).values });
         self.tree.settle(leaf);

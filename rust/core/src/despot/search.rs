@@ -6,9 +6,8 @@ use super::Despot;
 use super::expand::{Expansion, Scratch};
 use super::frontier::Frontier;
 use super::objects::Objects;
-use super::sightings::Sightings;
 use super::stopping::Clock;
-use super::workspace::{Knowledge, Lease, Workspace};
+use super::workspace::{Lease, Workspace};
 use crate::belief::Belief;
 use crate::bounds;
 use crate::tree::{Child, Place};
@@ -62,10 +61,8 @@ impl Search<'_> {
 
     fn expand_now(&mut self, leaf: Option<Place>) {
         let Workspace { frontier, knowledge, scratch, .. } = &mut *self.space;
-        frontier.choose(self.despot, &knowledge.sightings, leaf);
-        knowledge.require(self.despot, &frontier.chosen, false);
-        let Knowledge { sightings, findings, points } = knowledge;
-        findings.work_out(self.despot, sightings, points.drain(..), false);
+        frontier.choose(self.despot, leaf);
+        knowledge.prepare(self.despot, &mut frontier.chosen, false);
         frontier.expanded.append(&mut frontier.chosen);
         expand((self.despot, knowledge.objects()), &mut frontier.expanded, scratch, false, || true);
         frontier.attach(self.despot);
@@ -73,8 +70,7 @@ impl Search<'_> {
 
     /// Put what was found into the tree, and choose the leaves of the next batch.
     fn go_on(&mut self) {
-        let Workspace { frontier, knowledge, .. } = &mut *self.space;
-        attach_and_choose(frontier, (self.despot, &knowledge.sightings), &self.clock, 0);
+        attach_and_choose(&mut self.space.frontier, self.despot, &self.clock, 0);
     }
 
     /// Expand the chosen leaves; meanwhile, once the tree is large, go on with the batch before.
@@ -85,20 +81,16 @@ impl Search<'_> {
             return frontier.expanded.append(&mut frontier.chosen);
         }
         let shared = self.parallel && frontier.chosen.len() >= WORTH_SHARING;
-        knowledge.require(despot, &frontier.chosen, shared);
-        let Knowledge { sightings, findings, points } = knowledge;
-        let sightings = &*sightings;
         let mut batch = std::mem::take(&mut frontier.chosen);
         let under_way = batch.len();
         let overlapping = frontier.tally.trials >= OVERLAPPING;
         let mut expand_batch = || {
-            findings.work_out(despot, sightings, points.drain(..), shared);
-            let known = Objects { sightings, findings };
-            expand((despot, known), &mut batch, scratch, shared, || !clock.out_of_time());
+            knowledge.prepare(despot, &mut batch, shared);
+            expand((despot, knowledge.objects()), &mut batch, scratch, shared, || !clock.out_of_time());
         };
         let mut go_on = || {
             if overlapping {
-                attach_and_choose(frontier, (despot, sightings), clock, under_way);
+                attach_and_choose(frontier, despot, clock, under_way);
             }
         };
         if shared {
@@ -112,15 +104,10 @@ impl Search<'_> {
 }
 
 /// Put what was found into the tree, and choose leaves while so many others are being expanded.
-fn attach_and_choose(
-    frontier: &mut Frontier,
-    (despot, sightings): (&Despot, &Sightings),
-    clock: &Clock<'_>,
-    under_way: usize,
-) {
+fn attach_and_choose(frontier: &mut Frontier, despot: &Despot, clock: &Clock<'_>, under_way: usize) {
     frontier.attach(despot);
     let trials = clock.allowed(frontier.tally.trials, under_way as u64);
-    frontier.choose_leaves(despot, sightings, trials);
+    frontier.choose_leaves(despot, trials);
 }
 
 /// Expand leaves, each on its own; a leaf that there is no more time for stays one.

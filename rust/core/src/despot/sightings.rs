@@ -14,6 +14,27 @@ use crate::tree::{Node, Object, id, seen};
 
 const ABSENT: u32 = u32::MAX;
 
+/// The objects at the root, the belt end's first.
+pub(super) fn at_root(model: &SortingModel, remaining: Remaining) -> impl Iterator<Item = Object> + use<> {
+    (0..remaining.visible(model.position_count())).map(|position| Object { look: 0, label: id(position) })
+}
+
+/// What an action at a node makes of its objects before anything else is seen of them, and the scan that follows.
+pub(super) fn act(
+    model: &SortingModel,
+    (node, action): (&Node, Action),
+    objects: &mut Vec<Object>,
+) -> Option<Scan> {
+    if let Action::Decide(_) = action {
+        objects.remove(0);
+        let unseen = model.position_count();
+        if node.remaining.after(1).visible(unseen) > objects.len() {
+            objects.push(Object { look: 0, label: id(unseen) });
+        }
+    }
+    Scan::of(model, node, action)
+}
+
 /// The looks that a search has needed so far; an [`Object`] is a label of one of them.
 #[derive(Debug, Default)]
 pub(crate) struct Sightings {
@@ -57,34 +78,10 @@ impl Sightings {
         self.remaining
     }
 
-    /// The objects at the root, the belt end's first.
-    pub(super) fn at_root(&self) -> impl Iterator<Item = Object> + use<> {
-        (0..self.remaining.visible(self.positions)).map(|position| Object { look: 0, label: id(position) })
-    }
-
-    /// The belt advances.
-    pub(super) fn shift(&self, objects: &mut Vec<Object>, remaining: Remaining) {
-        objects.remove(0);
-        if remaining.after(1).visible(self.positions) > objects.len() {
-            objects.push(Object { look: 0, label: id(self.positions) });
-        }
-    }
-
-    /// The objects after an action at a node, given the code of the labels that it has brought.
-    pub(super) fn follow(
-        &self,
-        model: &SortingModel,
-        (node, action): (&Node, Action),
-        labels: u64,
-        objects: &mut Vec<Object>,
-    ) {
-        if let Action::Decide(_) = action {
-            self.shift(objects, node.remaining);
-        }
-        if let Some(scan) = Scan::of(model, node, action) {
-            for ((j, z), object) in seen(model, labels).enumerate().zip(objects) {
-                *object = self.after(*object, (j, scan.viewpoint), z);
-            }
+    /// The objects after a scan, given the code of its labels.
+    pub(super) fn see(&self, model: &SortingModel, scan: &Scan, labels: u64, objects: &mut [Object]) {
+        for ((position, label), object) in seen(model, labels).enumerate().zip(objects) {
+            *object = self.after(*object, (position, scan.viewpoint), label);
         }
     }
 

@@ -4,11 +4,10 @@ use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Despot;
-use super::branch::Scan;
 use super::expand::{Expansion, Scratch};
 use super::frontier::Frontier;
 use super::objects::{Findings, Objects};
-use super::sightings::Sightings;
+use super::sightings::{Sightings, act};
 use crate::belief::Belief;
 use crate::model::Action;
 use crate::scenario::LookPoint;
@@ -27,8 +26,20 @@ pub(crate) struct Knowledge {
 }
 
 impl Knowledge {
-    /// Number the looks that the expansions of the chosen leaves need. They are still to be worked out.
-    pub(super) fn require(&mut self, despot: &Despot, chosen: &[Expansion], parallel: bool) {
+    /// Learn what the expansions of chosen leaves need, and what has been seen on the way to them.
+    pub(super) fn prepare(&mut self, despot: &Despot, chosen: &mut [Expansion], parallel: bool) {
+        for Expansion { node, scan, .. } in &mut *chosen {
+            if let Some(scan) = scan {
+                self.sightings.see(&despot.model, scan, node.labels, &mut node.objects);
+            }
+        }
+        self.require(despot, chosen, parallel);
+        let Self { sightings, findings, points } = self;
+        findings.work_out(despot, sightings, points.drain(..), parallel);
+    }
+
+    /// Number the looks that the expansions need. They are still to be worked out.
+    fn require(&mut self, despot: &Despot, chosen: &[Expansion], parallel: bool) {
         let Despot { model, randoms, .. } = despot;
         let depths = chosen.iter().map(|expansion| expansion.node.depth);
         randoms.reach(depths.max().unwrap_or(0), parallel);
@@ -38,11 +49,8 @@ impl Knowledge {
         for Expansion { node, .. } in chosen {
             let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
             for action in moves.chain([Action::Decide(0)]) {
-                let Some(scan) = Scan::of(model, node, action) else { continue };
                 objects.clone_from(&node.objects);
-                if let Action::Decide(_) = action {
-                    sightings.shift(&mut objects, node.remaining);
-                }
+                let Some(scan) = act(model, (node, action), &mut objects) else { continue };
                 sightings.require(model, &objects, scan.viewpoint);
                 points.extend(objects.iter().enumerate().map(|(position, object)| {
                     scan.look(sightings.sighting(*object, position, scan.viewpoint))
