@@ -39,7 +39,7 @@ class Planning:
     """Plans with threads of its own, and notices if it is asked while it is still thinking."""
 
     def __init__(self, model: SortingModel) -> None:
-        self.planner = Despot(model, trials=2, scenarios=2000, threads=2)
+        self.planner = Despot(model, trials=300, scenarios=2000, threads=2)
         self.thinking = False
 
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide:

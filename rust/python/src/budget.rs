@@ -18,6 +18,9 @@ pub const DEFAULT: Budget = Budget::Time(Duration::from_millis(10));
 const SHORT: Duration = Duration::from_millis(100);
 const FEW_TRIALS: u64 = 1000;
 
+/// Plans of less time, or of no more trials, are the work of one thread.
+const WORTH_WAKING: Duration = Duration::from_millis(2);
+const FEW_ALONE: u64 = 256;
 /// More threads than any machine has use for.
 const MOST_THREADS: usize = 1024;
 
@@ -41,6 +44,14 @@ pub fn is_long(budget: Budget) -> bool {
     match budget {
         Budget::Time(time) => time > SHORT,
         Budget::Trials(trials) => trials > FEW_TRIALS,
+    }
+}
+
+/// Whether a plan is over before other threads are awake, which takes them a tenth of a millisecond.
+pub fn is_brief(budget: Budget) -> bool {
+    match budget {
+        Budget::Time(time) => time < WORTH_WAKING,
+        Budget::Trials(trials) => trials <= FEW_ALONE,
     }
 }
 

@@ -42,8 +42,9 @@ use crate::solution::PySolution;
 /// seed : int
 ///     Seed of the scenarios.
 /// threads : int, optional
-///     Threads that share the work of a plan. All cores if missing; more than there are cores gain nothing. 1 is
-///     the calling thread, and the best choice for plans of a millisecond: no other thread has to wake up.
+///     Threads that share the work of a plan. All cores if missing; more than there are cores gain nothing.
+///     Plans of less than 2 ms, or of at most 256 trials, are made on the calling thread: others would wake up
+///     too late.
 /// seconds : float, optional
 ///     Wall-clock budget of a plan in seconds, 0.01 if neither budget is given.
 /// trials : int, optional
@@ -85,7 +86,7 @@ pub struct PyDespot {
 
 /// The threads that work on a plan.
 enum Threads {
-    /// The one that asks for the plan: waking another takes a tenth of a millisecond.
+    /// The one that asks for the plan.
     Caller,
     Own(ThreadPool),
     /// Those of all cores, shared by all planners.
@@ -112,7 +113,9 @@ impl PyDespot {
             Threads::Shared if rayon::current_num_threads() > 1 => rayon::scope(|_| plan(true)),
             Threads::Shared | Threads::Caller => plan(false),
         };
-        let plan = if budget::is_long(budget) {
+        let plan = if budget::is_brief(budget) {
+            py.detach(|| plan(false))
+        } else if budget::is_long(budget) {
             interruptible(py, &stop, plan_in_pool)?
         } else {
             py.detach(|| outside_pools(plan_in_pool))
