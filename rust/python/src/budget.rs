@@ -21,6 +21,7 @@ const FEW_TRIALS: u64 = 1000;
 /// Plans of less time, or of no more trials, are the work of one thread.
 const WORTH_WAKING: Duration = Duration::from_millis(2);
 const FEW_ALONE: u64 = 256;
+
 /// More threads than any machine has use for.
 const MOST_THREADS: usize = 1024;
 
@@ -47,7 +48,7 @@ pub fn is_long(budget: Budget) -> bool {
     }
 }
 
-/// Whether a plan is over before other threads are awake, which takes them a tenth of a millisecond.
+/// Whether a plan gains nothing from other threads, which take a tenth of a millisecond to wake up.
 pub fn is_brief(budget: Budget) -> bool {
     match budget {
         Budget::Time(time) => time < WORTH_WAKING,

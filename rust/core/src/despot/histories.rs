@@ -26,6 +26,8 @@ pub(super) struct Histories {
     keys: Vec<u64>,
     /// The object that was first known by each history.
     first: FxHashMap<u64, Object>,
+    /// After each label of each look the first object with its history: `(look - 1) * L + z`.
+    same: Vec<Object>,
 }
 
 impl Histories {
@@ -42,23 +44,32 @@ impl Histories {
         self.keys.clear();
         self.keys.extend(&self.marks[..self.origins]);
         self.first.clear();
+        self.same.clear();
     }
 
-    /// Number the objects after the labels of a look at a numbered one; `same` is given the first object with each
-    /// one's history.
-    pub(super) fn add(
-        &mut self,
-        number: usize,
-        (look, position, viewpoint): (usize, usize, usize),
-        same: &mut Vec<Object>,
-    ) {
-        let before = self.keys[number];
+    /// Objects are numbered label by label, look by look.
+    #[inline(always)]
+    pub(super) fn number(&self, object: Object) -> usize {
+        let (look, label) = (object.look as usize, object.label as usize);
+        let first = if look == 0 { 0 } else { self.origins + (look - 1) * self.classes };
+        first + label
+    }
+
+    /// The first object with the history of one after a label of a look.
+    #[inline(always)]
+    pub(super) fn after(&self, look: usize, label: usize) -> Object {
+        self.same[(look - 1) * self.classes + label]
+    }
+
+    /// Know the objects after the labels of the next look, which is at this object.
+    pub(super) fn add(&mut self, object: Object, (look, position, viewpoint): (usize, usize, usize)) {
+        let before = self.keys[self.number(object)];
         let mark = self.origins + (position * self.viewpoints + viewpoint) * self.classes;
         for label in 0..self.classes {
             let own = Object { look: id(look), label: id(label) };
             let key = before.wrapping_add(self.marks[mark + label]);
             self.keys.push(key);
-            same.push(if self.ordered { own } else { *self.first.entry(key).or_insert(own) });
+            self.same.push(if self.ordered { own } else { *self.first.entry(key).or_insert(own) });
         }
     }
 }
@@ -76,16 +87,11 @@ mod tests {
         origin: usize,
         seen: &[(usize, usize, usize)],
     ) -> Object {
-        let model = paper(50.0);
-        let (origins, classes) = (model.position_count() + 1, model.class_count());
         let mut object = Object { look: 0, label: id(origin) };
         for (position, viewpoint, label) in seen {
             *looks += 1;
-            let first = if object.look == 0 { 0 } else { origins + (object.look as usize - 1) * classes };
-            let number = first + object.label as usize;
-            let mut same = Vec::new();
-            histories.add(number, (*looks, *position, *viewpoint), &mut same);
-            object = same[*label];
+            histories.add(object, (*looks, *position, *viewpoint));
+            object = histories.after(*looks, *label);
         }
         object
     }

@@ -50,8 +50,6 @@ pub(crate) struct Sightings {
     /// Rows: the look from each viewpoint; [`ABSENT`] where there is none yet.
     index: Vec<u32>,
     histories: Histories,
-    /// After each label of each look the first object with its history: `(look - 1) * L + z`.
-    same: Vec<Object>,
     /// The last labels at the root.
     memory: Memory,
     /// Objects left to decide at the root.
@@ -68,7 +66,6 @@ impl Sightings {
         self.taken.clear();
         self.index.clear();
         self.histories.restart(model);
-        self.same.clear();
         self.rows.clear();
         self.rows.resize((self.positions + 1) * self.positions, ABSENT);
     }
@@ -98,8 +95,7 @@ impl Sightings {
                 let last = self.last_label(model, *object, position, viewpoint);
                 self.taken.push((*object, Sighting { position, viewpoint, last }));
                 self.index[key] = id(self.taken.len());
-                let look = (self.taken.len(), position, viewpoint);
-                self.histories.add(self.number(*object), look, &mut self.same);
+                self.histories.add(*object, (self.taken.len(), position, viewpoint));
                 self.rows.resize(self.rows.len() + self.classes * self.positions, ABSENT);
             }
         }
@@ -124,7 +120,7 @@ impl Sightings {
     /// The same, given the look's number.
     #[inline(always)]
     pub(super) fn after_look(&self, look: usize, label: usize) -> Object {
-        self.same[(look - 1) * self.classes + label]
+        self.histories.after(look, label)
     }
 
     /// Number of a look that has been required.
@@ -179,14 +175,6 @@ impl Sightings {
 
     #[inline(always)]
     fn at(&self, object: Object, position: usize) -> usize {
-        self.number(object) * self.positions + position
-    }
-
-    /// Objects are numbered label by label, look by look.
-    #[inline(always)]
-    fn number(&self, object: Object) -> usize {
-        let (look, label) = (object.look as usize, object.label as usize);
-        let first = if look == 0 { 0 } else { self.positions + 1 + (look - 1) * self.classes };
-        first + label
+        self.histories.number(object) * self.positions + position
     }
 }
