@@ -8,20 +8,30 @@ export PYO3_PYTHON := $(VIRTUAL_ENV)/bin/python
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 bin := .venv/bin
-extension := beltsort/_core.abi3.so
 rust_sources := Cargo.toml Cargo.lock $(shell find rust -type f)
+# More processes than cores: many tests wait for servers that they have started. A file's tests stay in one of them.
+pytest := $(bin)/python -m pytest -n $(or $(WORKERS),4) --dist loadfile
 
-.PHONY: help venv build demo test test-rust lint-rust test-python lint-python types soak bench format wheel clean
+.PHONY: help venv build dev demo check test test-rust lint-rust test-python lint-python types soak laws bench format wheel \
+	clean
 
 help:  ## this list
 	@echo 'make TARGET, with ARGS="..." for the demo and PYTHON=python3.12 to choose the interpreter of a new .venv'
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile
 
 venv: .venv/dev-ready  ## .venv with every package, and the system libraries of Open3D
-build: $(extension)  ## the Rust extension, optimised, and beltsort importable in .venv
+build: .venv/extension-release  ## the Rust extension, optimised, and beltsort importable in .venv
+dev: .venv/extension-dev  ## the same, compiled in seconds after an edit; it plans a few times slower
 
 demo: build  ## run the main job: beltsort demo $(ARGS)
 	$(bin)/beltsort demo $(ARGS)
+
+check: .venv/extension-any venv  ## after an edit: linters, types, the core's tests, Python tests without processes
+	cargo clippy --workspace --all-targets -- -D warnings
+	cargo test
+	$(MAKE) lint-python
+	$(bin)/python -m mypy
+	$(pytest) -m "not process and not slow and not soak"
 
 test: test-rust lint-rust test-python lint-python types  ## every test and check
 
@@ -34,7 +44,7 @@ lint-rust: venv  ## clippy, rustdoc and rustfmt
 	cargo fmt --all --check
 
 test-python: build venv  ## pytest
-	$(bin)/python -m pytest
+	$(pytest)
 
 lint-python: venv  ## ruff
 	$(bin)/ruff check
@@ -60,9 +70,11 @@ wheel: venv  ## dist/*.whl
 	$(bin)/maturin build --out dist
 
 clean:  ## remove everything made by this file (runs/ stays)
-	rm -rf .venv target dist $(extension) .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv target dist beltsort/_core.abi3.so .mypy_cache .pytest_cache .ruff_cache
 
-.venv/ready: pyproject.toml scripts/bootstrap
+# scripts/bootstrap touches .venv/installed only when packages or metadata have changed: editing the settings of a tool
+# in pyproject.toml installs and builds nothing.
+.venv/ready: pyproject.toml scripts/bootstrap scripts/debian-packages.txt
 	bash scripts/bootstrap
 	@touch $@
 
@@ -70,6 +82,18 @@ clean:  ## remove everything made by this file (runs/ stays)
 	bash scripts/bootstrap dev
 	@touch $@
 
-$(extension): .venv/ready $(rust_sources)
-	$(bin)/maturin develop
-	@touch $@
+.venv/installed: .venv/ready ;
+
+# One extension is installed at a time. -any is what `make check` needs: either, as long as it is up to date.
+.venv/extension-release: .venv/installed $(rust_sources)
+	$(bin)/maturin develop --profile release
+	@rm -f .venv/extension-dev
+	@touch $@ .venv/extension-any
+
+.venv/extension-dev: .venv/installed $(rust_sources)
+	$(bin)/maturin develop --profile dev
+	@rm -f .venv/extension-release
+	@touch $@ .venv/extension-any
+
+.venv/extension-any: .venv/installed $(rust_sources)
+	$(MAKE) dev

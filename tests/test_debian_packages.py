@@ -1,0 +1,109 @@
+"""Every module that the code loads, by an import or by name, is installed by something that a user can name.
+
+What is read here is the source, not the machine: a package that somebody installed by hand hides nothing.
+"""
+
+import ast
+import re
+import sys
+import tomllib
+from collections.abc import Iterator
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+LIST = ROOT / "scripts" / "debian-packages.txt"
+LOADERS = {"import_module", "find_spec", "import_name", "importorskip"}
+# Modules that their distribution does not tell of, and the one that pyproject.toml names for them.
+INSTALLED_AS = {"pinocchio": "pin", "example_robot_data": "example-robot-data", "pydantic_core": "pydantic"}
+# "std_msgs/Int32" of ROS 1; "std_msgs/msg/Int32" is the spelling of ROS 2, which rosbags knows by itself.
+MESSAGE = re.compile(r"\b([a-z][a-z0-9_]*_msgs)/(?!msg/)[A-Z]")
+
+
+def listed(kind: str) -> dict[str, str]:
+    """Return the packages of a kind in the list, by what is loaded of them."""
+    rows = [line.split() for line in LIST.read_text().splitlines() if line and not line.startswith("#")]
+    return {loaded: package for row_kind, loaded, package in rows if row_kind == kind}
+
+
+def loaded_by(source: str) -> Iterator[tuple[int, str]]:
+    """Yield line and top-level module of all that a source file loads, lazily or by name included."""
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.Import(names=names):
+                yield from ((node.lineno, name.name) for name in names)
+            case ast.ImportFrom(module=str(module), level=0):
+                yield node.lineno, module
+            case ast.Call(
+                func=ast.Name(id=loader) | ast.Attribute(attr=loader),
+                args=[ast.Constant(value=str(name)), *_],
+            ):
+                if loader in LOADERS:
+                    yield node.lineno, name
+            case ast.Constant(value=str(text)):
+                yield from ((node.lineno, module) for module in MESSAGE.findall(text))
+
+
+def declared() -> set[str]:
+    """Return the distributions that pyproject.toml names."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    groups = [project["dependencies"], *project["optional-dependencies"].values()]
+    return {normal(re.split(r"[<>=\[;~! ]", requirement)[0]) for group in groups for requirement in group}
+
+
+def normal(distribution: str) -> str:
+    return distribution.lower().replace("_", "-")
+
+
+def unaccounted(files: Iterator[Path]) -> list[str]:
+    """Return "file:line module" of every module that neither Python, pyproject.toml nor the list provides."""
+    from beltsort.cell.ros1.messages import DEFINITIONS
+
+    made = {kind.split("/")[0] for kind in DEFINITIONS}  # messages made here from their definitions
+    ours = {"beltsort", "tests", "benchmarks"}
+    provided = set(sys.stdlib_module_names) | ours | made | listed("ros1").keys()
+    distributions, named = packages_distributions(), declared()
+    return [
+        f"{file.relative_to(ROOT)}:{line} {module}"
+        for file in files
+        for line, module in loaded_by(file.read_text("utf-8"))
+        if (top := module.split(".")[0]) not in provided
+        and not {normal(name) for name in [*distributions.get(top, []), INSTALLED_AS.get(top, "")]} & named
+    ]
+
+
+@pytest.mark.parametrize("folder", ["beltsort", "tests", "benchmarks", "examples"])
+def test_every_module_that_is_loaded_is_installed_by_something(folder: str) -> None:
+    assert unaccounted((ROOT / folder).rglob("*.py")) == []
+
+
+def test_modules_loaded_lazily_or_by_name_are_seen() -> None:
+    source = """
+import one
+def late():
+    import two.part
+    from three import name
+    import_module("four").run()
+    util.find_spec("five")
+    subscribe("six_MSGS/Int32", "MSG: seven_MSGS/Point")
+    bag("eight_MSGS/msg/Int32")
+""".replace("_MSGS", "_msgs")  # this file is read, too
+    seen = {module.split(".")[0] for _, module in loaded_by(source)}
+    assert seen == {"one", "two", "three", "four", "five", "six_msgs", "seven_msgs"}
+
+
+def test_a_module_that_nothing_installs_is_told_with_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules[__name__], "LIST", tmp_path / "list")
+    (tmp_path / "list").write_text("ros1 rospy python3-rospy\n")
+    told = unaccounted(iter([ROOT / "beltsort" / "cell" / "ros1" / "messages.py"]))
+    assert any(line.endswith(" trajectory_msgs") for line in told)
+
+
+def test_the_list_is_in_order() -> None:
+    text = [line.split() for line in LIST.read_text().splitlines() if line and not line.startswith("#")]
+    assert all(len(row) == 3 and row[0] in {"library", "ros1"} for row in text)
+    assert all(package == f"python3-{loaded.replace('_', '-')}" for loaded, package in listed("ros1").items())
