@@ -15,13 +15,13 @@ from beltsort.cell.simulated.backend import trainable_config
 from beltsort.commander import Operator, nobody
 from beltsort.errors import CellError
 from beltsort.journal import Journal, Listener
-from beltsort.perception import NearestNeighbour, Perception
+from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig
 from beltsort.progress import Progress
 from beltsort.record import progress_in
 from beltsort.report import SortingReport
 from beltsort.runs import JOURNAL, CallLog, make_folder, plain_decision, run_name, sort_into
 from beltsort.sorter import resume_sorting
-from beltsort.tables.prepare import StageProgress, prepare
+from beltsort.tables.prepare import Recipe, StageProgress, prepare
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,10 +189,9 @@ def _knowledge(
 ) -> tuple[SortingModel, NearestNeighbour]:
     """Return model and classifier."""
     if description.prepare is not None:
+        perception = description.perception or PerceptionConfig()
         amounts = description.prepare.model_dump()
-        prepared = prepare(
-            trainable_config(description), description.perception, **amounts, progress=progress
-        )
+        prepared = prepare(Recipe(trainable_config(description), perception, **amounts), progress=progress)
         model = prepared.counts.model(description.classes, description.viewpoint_names)
         return model, prepared.database
     model = SortingModel.load(description.path(description.model or ""))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json
+from beltsort.cli.prepare import add_objects, recipe_of
 from beltsort.cli.watching import listening, stages
 
 if TYPE_CHECKING:
@@ -20,26 +21,13 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "demo",
         help="sort ten bulbs from simulated depth scans",
-        description="Train the classifier, estimate the observation tables, then sort ten bulbs from depth "
-        "scans. Training and tables are made once and cached.",
+        description="Sort ten bulbs from depth scans. Classifier and observation tables come with the "
+        "package; for other numbers of objects they are made once and cached.",
     )
     parser.add_argument(
         "--seed", type=int, default=0, help="seed of objects, sensor noise and planner (default 0)"
     )
-    parser.add_argument(
-        "--objects-per-row",
-        type=int,
-        default=100,
-        metavar="N",
-        help="independent objects per row of the observation tables (default 100)",
-    )
-    parser.add_argument(
-        "--training-objects",
-        type=int,
-        default=40,
-        metavar="N",
-        help="objects per class, viewpoint and position that the classifier is trained on (default 40)",
-    )
+    add_objects(parser)
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -55,13 +43,10 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console(stderr=arguments.json, highlight=False, soft_wrap=True)
     # Whatever can be refused is refused before minutes are spent.
     check_seed(arguments.seed)
+    recipe = recipe_of(arguments)
     runs = make_folder(Path("runs"))
     with stages(console) as stage:
-        prepared = prepare(
-            training_objects=arguments.training_objects,
-            table_objects=arguments.objects_per_row,
-            progress=stage,
-        )
+        prepared = prepare(recipe, progress=stage)
     _tell_tables(console, prepared)
     with listening(console) as listener:
         result = run_demo(prepared, arguments.seed, make_folder(runs / run_name()), listener)
@@ -78,7 +63,9 @@ def _tell_tables(console: "Console", prepared: "Prepared") -> None:
     config = CellConfig()
     names = [viewpoint.name for viewpoint in config.viewpoints]
     tables = prepared.counts.probabilities(1.0)
-    where = "from the cache" if prepared.cached else "estimated now"
+    where = {"package": "from the package", "cache": "from the cache", "made": "estimated now"}[
+        prepared.source
+    ]
     scans = prepared.counts.counts.sum(axis=-1)
     per_row = f"{scans.min()}" if scans.min() == scans.max() else f"{scans.min()} to {scans.max()}"
     console.print(f"observation tables {where}: {per_row} scans per row, each of another object")

@@ -1,13 +1,17 @@
-"""Classifier and tables of the simulated cell, made once and kept in the user's cache folder."""
+"""Classifier and tables of the simulated cell: those that come with the package, or made once and cached."""
 
 import hashlib
 import json
+import platform
 import shutil
 import tempfile
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
+from importlib.resources import as_file, files
 from pathlib import Path
 from time import perf_counter
+from typing import Literal, TypeAlias
 
 import numpy as np
 from platformdirs import user_cache_path
@@ -16,16 +20,25 @@ import beltsort
 from beltsort.cell.simulated import CellConfig
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
-from beltsort.tables.collect import collect_counts, collect_training
-from beltsort.tables.counts import Counts
+from beltsort.tables.collect import collect_scans, collect_training
+from beltsort.tables.counts import Counts, count
 from beltsort.tables.processes import Progress, at_least_one
+from beltsort.tables.scans import LabelledScan, looks
 
-SEED = 2019  # of training and tables, whatever a run's own seed: all runs share one cache
+PIPELINE = 1
+"""Version of the code between a configuration and its labels: the simulated cell, perception, training.
 
-PACKAGE = Path(beltsort.__file__).parent
-SOURCES = ("geometry.py", "cell/simulated/**/*.py", "perception/**/*.py", "tables/**/*.py")
+It is part of the key of what is stored. Raise it with a change of that code that changes results; then
+`beltsort prepare -o beltsort/models/simulated_cell` makes anew what comes with the package.
+"""
+
+SEED = 2019  # of training and tables, whatever a run's own seed: all runs share what is stored
+TRAINING_OBJECTS, TABLE_OBJECTS = 40, 100
+PACKAGED = files("beltsort.models") / "simulated_cell"
+CLASSIFIER, SCANS, ABOUT = "classifier.npz", "scans.npz", "about.json"
 
 StageProgress = Callable[[str], Progress]
+Source: TypeAlias = Literal["package", "cache", "made"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,38 +54,70 @@ class Prepared:
     objects
         Independent objects in each table row, each scanned for it.
     seconds
-        Time that training and tables took, by stage; next to nothing when they came from the cache.
-    cached
-        Whether they did.
+        Time that training and tables took, by stage; next to nothing when they were stored.
+    source
+        Where they are from: the package, the user's cache, or made now.
     """
 
     database: NearestNeighbour
     counts: Counts
     objects: int
     seconds: dict[str, float]
-    cached: bool
+    source: Source
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """All that classifier and tables depend on, besides the code.
+
+    Attributes
+    ----------
+    config, perception
+        What the cell and perception are set to.
+    training_objects, table_objects
+        Objects per class, viewpoint and position that are trained on, and counted.
+
+    Raises
+    ------
+    ArgumentError
+        If a number of objects is below 1.
+    """
+
+    config: CellConfig = field(default_factory=CellConfig)
+    perception: PerceptionConfig = field(default_factory=PerceptionConfig)
+    training_objects: int = TRAINING_OBJECTS
+    table_objects: int = TABLE_OBJECTS
+
+    def __post_init__(self) -> None:
+        """Refuse a number of objects below 1."""
+        at_least_one("training_objects", self.training_objects)
+        at_least_one("table_objects", self.table_objects)
+
+    def key(self) -> str:
+        """Return the key of what is stored: 16 hexadecimal digits.
+
+        Raises
+        ------
+        CellError
+            If a mesh file cannot be read.
+        """
+        meshes = {name: _mesh_hash(path) for name, path in self.config.meshes.items()}
+        depends_on = [PIPELINE, SEED, asdict(self), meshes]
+        return _hash(json.dumps(depends_on, sort_keys=True).encode())[:16]
 
 
 def prepare(
-    config: CellConfig | None = None,
-    perception: PerceptionConfig | None = None,
-    *,
-    training_objects: int = 40,
-    table_objects: int = 100,
-    progress: StageProgress | None = None,
-    cache: Path | None = None,
+    recipe: Recipe | None = None, *, progress: StageProgress | None = None, cache: Path | None = None
 ) -> Prepared:
-    """Train the classifier and estimate the tables of a simulated cell, or load both from the cache.
+    """Load the classifier and the tables of a simulated cell, or make and cache them.
 
-    As with `collect_training`, a script calls this under `if __name__ == "__main__":`.
+    Those of the default cell come with the package. As with `collect_training`, a script calls this under
+    `if __name__ == "__main__":`.
 
     Parameters
     ----------
-    config, perception
-        What the cell and perception are set to; with the numbers of objects and beltsort's own code they name
-        the cache entry.
-    training_objects, table_objects
-        Objects per class, viewpoint and position that are trained on, and counted.
+    recipe
+        Which; default those that come with the package.
     progress
         Called with a stage's name (`training`, `tables`), returns what is called with rounds done and in all.
     cache
@@ -80,52 +125,109 @@ def prepare(
 
     Raises
     ------
-    ArgumentError
-        If a number of objects is below 1.
     CellError
         If a mesh file cannot be read.
     BeltsortError
         If the cache folder cannot be written, or a worker process dies.
     """
-    at_least_one("training_objects", training_objects)
-    at_least_one("table_objects", table_objects)
-    config, perception = config or CellConfig(), perception or PerceptionConfig()
-    folder = (cache or user_cache_path("beltsort")) / _key(
-        config, perception, training_objects, table_objects
-    )
-    began = perf_counter()
-    if (stored := _load(folder)) is not None:
-        return Prepared(
-            *stored, table_objects, {"training": 0.0, "tables": perf_counter() - began}, cached=True
-        )
+    recipe = recipe or Recipe()
+    cached = (cache or user_cache_path("beltsort")) / recipe.key()
+    with as_file(PACKAGED) as packaged:
+        stored = load(packaged, recipe, "package") or load(cached, recipe, "cache")
+    return stored or make(recipe, cached, progress)
+
+
+def make(recipe: Recipe, folder: Path, progress: StageProgress | None = None) -> Prepared:
+    """Train the classifier, label the scans of the tables, and store both in a folder.
+
+    Parameters
+    ----------
+    recipe
+        What to make.
+    folder
+        Written whole or not at all; what was there is replaced.
+    progress
+        As in `prepare`.
+
+    Raises
+    ------
+    BeltsortError
+        If the folder cannot be written, or a worker process dies.
+    """
     _new_folder(folder.parent).rmdir()  # what cannot be stored is not worth the work
     stage = progress or _silent
+    config, began = recipe.config, perf_counter()
     database = collect_training(
-        config, perception, objects=training_objects, seed=SEED, progress=stage("training")
+        config,
+        recipe.perception,
+        objects=recipe.training_objects,
+        seed=SEED,
+        progress=stage("training"),
     )
     trained = perf_counter()
-    counts = collect_counts(database, config, objects=table_objects, seed=SEED, progress=stage("tables"))
+    scans = collect_scans(database, config, objects=recipe.table_objects, seed=SEED, progress=stage("tables"))
     seconds = {"training": trained - began, "tables": perf_counter() - trained}
-    _store(folder, database, counts)
-    return Prepared(database, counts, table_objects, seconds, cached=False)
+    _store(folder, recipe, database, scans)
+    return Prepared(database, _counts(scans, config), recipe.table_objects, seconds, "made")
+
+
+def load(folder: Path, recipe: Recipe, source: Source) -> Prepared | None:
+    """Return what a folder holds, or None if it is of another recipe, missing or damaged."""
+    began = perf_counter()
+    try:
+        if json.loads((folder / ABOUT).read_text("utf-8"))["key"] != recipe.key():
+            return None
+        database = NearestNeighbour.load(folder / CLASSIFIER)
+        counts = _counts(read_scans(folder / SCANS), recipe.config)
+    except Exception:  # whatever a reader stumbles over means that the folder is missing or damaged
+        return None
+    seconds = {"training": 0.0, "tables": perf_counter() - began}
+    return Prepared(database, counts, recipe.table_objects, seconds, source)
+
+
+def read_scans(path: Path) -> list[LabelledScan]:
+    """Read the labelled scans of the tables that `make` has stored."""
+    with np.load(path, allow_pickle=False) as stored:
+        rows = zip(
+            stored["viewpoints"].tolist(),
+            stored["true"].tolist(),
+            stored["objects"].tolist(),
+            stored["observed"].tolist(),
+            strict=True,
+        )
+    return [
+        LabelledScan(viewpoint, tuple(true), tuple(str(name) for name in objects), _without_gaps(observed))
+        for viewpoint, true, objects, observed in rows
+    ]
+
+
+def _write_scans(path: Path, scans: Sequence[LabelledScan]) -> None:
+    """Write labelled scans, S of H positions: names of objects as numbers, a missing label as -1."""
+    numbers: dict[str | None, int] = {}
+    np.savez_compressed(
+        path,
+        viewpoints=np.array([scan.viewpoint for scan in scans], dtype=np.int16),  # (S,)
+        true=np.array([scan.true for scan in scans], dtype=np.int16),  # (S, H)
+        objects=np.array(  # (S, H)
+            [[numbers.setdefault(name, len(numbers)) for name in scan.objects] for scan in scans],
+            dtype=np.int32,
+        ),
+        observed=np.array(  # (S, H)
+            [[-1 if label is None else label for label in scan.observed] for scan in scans], dtype=np.int16
+        ),
+    )
+
+
+def _without_gaps(labels: Sequence[int]) -> tuple[int | None, ...]:
+    return tuple(None if label < 0 else label for label in labels)
+
+
+def _counts(scans: Sequence[LabelledScan], config: CellConfig) -> Counts:
+    return count(looks(scans), config.layout.positions, len(config.viewpoints), len(config.classes))
 
 
 def _silent(_stage: str) -> Progress:
     return lambda _done, _total: None
-
-
-def _key(config: CellConfig, perception: PerceptionConfig, training: int, table: int) -> str:
-    """Name the cache entry by all that its content depends on."""
-    meshes = {name: _mesh_hash(path) for name, path in config.meshes.items()}
-    code = {path.relative_to(PACKAGE).as_posix(): _hash(path.read_bytes()) for path in _sources()}
-    settings = [asdict(config), asdict(perception), training, table, SEED]
-    depends_on = [beltsort.__version__, code, settings, meshes]
-    return _hash(json.dumps(depends_on, sort_keys=True).encode())[:16]
-
-
-def _sources() -> list[Path]:
-    """Return the files of the package on whose code classifier and tables depend."""
-    return sorted(path for pattern in SOURCES for path in PACKAGE.glob(pattern))
 
 
 def _mesh_hash(path: str) -> str:
@@ -142,40 +244,39 @@ def _hash(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _store(folder: Path, database: NearestNeighbour, counts: Counts) -> None:
-    """Write the entry whole or not at all: an interrupted run must not leave half of one."""
+def _store(folder: Path, recipe: Recipe, database: NearestNeighbour, scans: Sequence[LabelledScan]) -> None:
+    """Write the folder whole or not at all: an interrupted run must not leave half of one."""
     half_done = _new_folder(folder.parent)
     try:
-        database.save(half_done / "database.npz")
-        np.savez_compressed(
-            half_done / "counts.npz",
-            counts=counts.counts,
-            missed=counts.missed,
-            agree=counts.agree,
-            pairs=counts.pairs,
-        )
+        database.save(half_done / CLASSIFIER)
+        _write_scans(half_done / SCANS, scans)
+        (half_done / ABOUT).write_text(json.dumps(_about(recipe), indent=2) + "\n", "utf-8")
         shutil.rmtree(folder, ignore_errors=True)
         half_done.replace(folder)
     finally:
         shutil.rmtree(half_done, ignore_errors=True)
 
 
-def _new_folder(cache: Path) -> Path:
-    """Make a folder of a new name in the cache."""
+def _about(recipe: Recipe) -> dict[str, object]:
+    """Return what was made, and what made it."""
+    packages = ("beltsort", "numpy", "scipy", "open3d")
+    return {
+        "key": recipe.key(),
+        "pipeline": PIPELINE,
+        "seed": SEED,
+        "training_objects": recipe.training_objects,
+        "table_objects": recipe.table_objects,
+        "versions": {"python": platform.python_version(), **{name: version(name) for name in packages}},
+        "machine": platform.machine(),
+    }
+
+
+def _new_folder(parent: Path) -> Path:
+    """Make a folder of a new name, readable by all whom the umask lets read."""
     try:
-        cache.mkdir(parents=True, exist_ok=True)
-        return Path(tempfile.mkdtemp(dir=cache))
+        parent.mkdir(parents=True, exist_ok=True)
+        return Path(tempfile.mkdtemp(dir=parent))
     except OSError as reason:
         raise beltsort.BeltsortError(
-            f"the cache folder {cache} cannot be written: {reason}; point XDG_CACHE_HOME elsewhere"
+            f"the folder {parent} cannot be written: {reason}; choose another, a cache by XDG_CACHE_HOME"
         ) from reason
-
-
-def _load(folder: Path) -> tuple[NearestNeighbour, Counts] | None:
-    """Return the entry, or None if there is none or it is damaged (it is then made again)."""
-    try:
-        database = NearestNeighbour.load(folder / "database.npz")
-        with np.load(folder / "counts.npz", allow_pickle=False) as stored:
-            return database, Counts(**{name: stored[name] for name in stored.files})
-    except Exception:  # whatever a reader stumbles over means that the entry is missing or damaged
-        return None

@@ -16,11 +16,11 @@ from beltsort.cell.simulated import CellConfig
 from beltsort.cell.simulated.backend import BACKEND
 from beltsort.cli import main
 from beltsort.journal import read_journal
-from beltsort.perception import NearestNeighbour, PerceptionConfig
+from beltsort.perception import NearestNeighbour
 from beltsort.progress import Progress
 from beltsort.tables.collect import collect_training
 from beltsort.tables.counts import Look, count
-from beltsort.tables.prepare import Prepared
+from beltsort.tables.prepare import Prepared, Recipe
 from tests.cell.cell_files import changed
 from tests.cli.running import command
 from tests.contract.peers import OpcuaPeer
@@ -175,17 +175,17 @@ def test_a_cell_prepares_itself(
 ) -> None:
     asked: list[Any] = []
 
-    def prepare(config: CellConfig, perception: PerceptionConfig | None, **amounts: Any) -> Prepared:
-        asked.append((config, perception, amounts["training_objects"], amounts["table_objects"]))
+    def prepare(recipe: Recipe, **_: Any) -> Prepared:
+        asked.append(recipe)
         looks = [Look(j, k, c, c) for j in range(2) for k in range(3) for c in range(4) for _ in range(20)]
         database = NearestNeighbour.load(folder / "cell" / "classifier.npz")
-        return Prepared(database, count(looks, 2, 3, 4), 20, {}, cached=True)
+        return Prepared(database, count(looks, 2, 3, 4), 20, {}, "cache")
 
     monkeypatch.setattr("beltsort.cell_run.prepare", prepare)
     path = str(changed(folder, (PREPARE, PREPARE.replace("40", "7"))))
     assert main(["run", path, "--objects", "1", "--json"]) == 0
     assert len(result_of(capsys)["decisions"]) == 1
-    assert asked == [(CellConfig(), None, 7, 100)], "what the demo prepares, so that they share it"
+    assert asked == [Recipe(training_objects=7)], "as the demo's but for what the file says"
 
 
 def test_only_a_simulated_cell_prepares_itself(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

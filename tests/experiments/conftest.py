@@ -16,7 +16,7 @@ from .tiny import SEED, TINY
 def prepared() -> Prepared:
     database = collect_training(CellConfig(), objects=2, seed=SEED, workers=1)
     counts = collect_counts(database, CellConfig(), objects=1, seed=SEED, workers=1)
-    return Prepared(database, counts, objects=1, seconds={}, cached=False)
+    return Prepared(database, counts, objects=1, seconds={}, source="made")
 
 
 @pytest.fixture(scope="session")

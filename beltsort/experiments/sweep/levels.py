@@ -16,7 +16,7 @@ from beltsort.experiments.sweep.grid import inputs_of, seeds_of
 from beltsort.experiments.sweep.parameters import nested, section_of
 from beltsort.named_policy import named_policy
 from beltsort.naming import index_of
-from beltsort.tables.prepare import Prepared, StageProgress, prepare
+from beltsort.tables.prepare import Prepared, Recipe, StageProgress, prepare
 
 Point = Mapping[str, Any]
 METRICS = ("steps", "correct", "returns", "discounted_returns")
@@ -113,12 +113,12 @@ def config_of(point: Point) -> CellConfig:
 def prepared_for(point: Point, progress: StageProgress | None = None) -> Prepared:
     """Return classifier and tables of a point's cell, from the cache if they are there."""
     settings = section_of(point, "scans")
-    return prepare(
+    recipe = Recipe(
         config_of(point),
         training_objects=settings["training_objects"],
         table_objects=settings["table_objects"],
-        progress=progress,
     )
+    return prepare(recipe, progress=progress)
 
 
 def _check_inputs(point: Point) -> None:
