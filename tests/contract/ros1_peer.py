@@ -9,7 +9,7 @@ from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig, require_ros
 from tests.contract.peer import ProcessPeer, SeeingPeer
 
-SLOW = {"arm": {"speed": 0.5}, "belt": {"travel": 1.0}, "sorter": {"sort": 1.0}}
+SLOW = {"arm": {"speed": 0.15}, "belt": {"travel": 4.0}, "sorter": {"sort": 4.0}}
 
 
 class Ros1Peer(SeeingPeer, ProcessPeer):
