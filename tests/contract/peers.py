@@ -32,7 +32,7 @@ SPEED = 20
 LONG_WAY = 4000
 """Objects that it takes the belt five minutes to advance by: an advance for tests that break it off."""
 
-ANSWER_TIMEOUT = 10.0
+ANSWER_TIMEOUT = 4.0
 """Seconds; tests that wait for an answer in vain give the command itself less time."""
 
 
