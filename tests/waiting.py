@@ -13,7 +13,7 @@ PATIENCE = 120.0
 BETWEEN_LOOKS = 0.01
 
 
-def wait_until(condition: Callable[[], Result], what: str, timeout: float = PATIENCE) -> Result:
+def wait_until(condition: Callable[[], Result | None], what: str, timeout: float = PATIENCE) -> Result:
     """Ask again and again until the answer is true, and return that answer; `what` names what is awaited."""
     end = time.monotonic() + timeout
     while not (answer := condition()):

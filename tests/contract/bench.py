@@ -55,9 +55,12 @@ class Bench(Generic[Kind]):
 
     def settled(self, command_id: str) -> Outcome:
         """Return what became of a command, once the device can tell."""
-        settled = (Outcome.DONE, Outcome.NOT_DONE)
-        wait_until(lambda: self.device.outcome_of(command_id) in settled, f"the outcome of {command_id}")
-        return Outcome(self.device.outcome_of(command_id))
+
+        def told() -> Outcome | None:
+            outcome = Outcome(self.device.outcome_of(command_id))
+            return None if outcome is Outcome.UNKNOWN else outcome
+
+        return wait_until(told, f"the outcome of {command_id}")
 
     @property
     def world(self) -> int:
