@@ -1,12 +1,12 @@
 """Deadlines and outcomes of commands."""
 
 import threading
-import time
 
 import pytest
 
 from beltsort.cell import CommandError, Outcome, within
 from beltsort.cell.simulated import SimulatedCell
+from tests.waiting import PATIENCE
 
 
 def test_a_late_answer_is_dropped() -> None:
@@ -21,8 +21,8 @@ def test_a_late_answer_is_dropped() -> None:
         within(0.05, "the move", late)
     assert error.value.outcome is Outcome.UNKNOWN
     release.set()
-    assert ended.wait(5.0)
-    assert within(5.0, "the next move", lambda: "in time") == "in time"
+    assert ended.wait(PATIENCE)
+    assert within(PATIENCE, "the next move", lambda: "in time") == "in time"
 
 
 def test_a_failure_in_time_passes_through() -> None:
@@ -30,13 +30,11 @@ def test_a_failure_in_time_passes_through() -> None:
         raise TimeoutError("the driver's own")
 
     with pytest.raises(TimeoutError, match="the driver's own"):
-        within(5.0, "the move", fail)
+        within(PATIENCE, "the move", fail)
 
 
 def test_waiting_ends_with_the_act() -> None:
-    began = time.monotonic()
-    within(60.0, "nothing", lambda: None)
-    assert time.monotonic() - began < 30.0
+    within(100_000.0, "nothing", lambda: None)
 
 
 def test_a_simulated_act_that_would_take_too_long_is_not_done_and_may_be_repeated() -> None:

@@ -157,7 +157,7 @@ def test_a_write_without_an_answer_is_not_repeated() -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         Thread(target=serve, args=(listener,), daemon=True).start()
         port = listener.getsockname()[1]
-        device = make(ModbusOptions("127.0.0.1", port, answer_timeout=0.3, allow_insecure=True))
+        device = make(ModbusOptions("127.0.0.1", port, answer_timeout=2.0, allow_insecure=True))
         with pytest.raises(CommandError):
             device.stop()
     assert len(writes) == 1

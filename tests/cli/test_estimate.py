@@ -5,7 +5,6 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from beltsort.perception import NearestNeighbour
 from beltsort.tables import LabelledScan, collect_counts, collect_training, estimate, record_simulated
 from beltsort.tables.log import LabelLog
 from tests.cli.running import command
+from tests.waiting import wait_until
 
 
 @pytest.fixture(scope="module")
@@ -69,9 +69,9 @@ def test_killed_and_begun_again(classifier: str, tmp_path: Path) -> None:
         *("-o", str(path), "--workers", "1", "--json"),
     ]
     process = subprocess.Popen([sys.executable, "-m", "beltsort", *given], stderr=subprocess.DEVNULL)
-    while (labelled := scans_in(path.with_suffix(".labels"))) < 8:
-        assert process.poll() is None
-        time.sleep(0.02)
+    wait_until(
+        lambda: scans_in(path.with_suffix(".labels")) >= 8 or process.poll() is not None, "eight scans"
+    )
     process.send_signal(signal.SIGKILL)
     assert process.wait() == -signal.SIGKILL
     assert not path.exists()

@@ -1,8 +1,7 @@
 """One device of a back-end, with which a test does the same whatever it is."""
 
 import threading
-import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from itertools import count
 from typing import Any, Generic, TypeVar
@@ -12,6 +11,7 @@ import pytest
 from beltsort.cell import CommandError, Outcome
 from tests.account import Account
 from tests.contract.peer import PATIENCE, Peer
+from tests.waiting import wait_until
 
 Kind = TypeVar("Kind", bound=Peer)
 METHODS = {"arm": "move_to", "belt": "advance_to", "sorter": "sort"}
@@ -51,27 +51,16 @@ class Bench(Generic[Kind]):
 
     def begun(self, target: int, command_id: str, timeout: float) -> Future[object]:
         """Let a command run in another thread, and return when the device acts."""
-        future: Future[object] = Future()
-
-        def run() -> None:
-            try:
-                future.set_result(self.act(target, command_id, timeout))
-            except CommandError as failure:
-                future.set_exception(failure)
-
-        threading.Thread(target=run, daemon=True).start()
-        end = time.monotonic() + PATIENCE
-        while not self.peer.busy(self.role):
-            assert time.monotonic() < end
-        return future
+        return begun(lambda: self.act(target, command_id, timeout), lambda: self.peer.busy(self.role))
 
     def settled(self, command_id: str) -> Outcome:
         """Return what became of a command, once the device can tell."""
-        end = time.monotonic() + PATIENCE
-        while (outcome := self.device.outcome_of(command_id)) is Outcome.UNKNOWN:
-            assert time.monotonic() < end
-            time.sleep(0.05)
-        return Outcome(outcome)
+
+        def told() -> Outcome | None:
+            outcome = Outcome(self.device.outcome_of(command_id))
+            return None if outcome is Outcome.UNKNOWN else outcome
+
+        return wait_until(told, f"the outcome of {command_id}")
 
     @property
     def world(self) -> int:
@@ -87,6 +76,22 @@ class Bench(Generic[Kind]):
         if not self.role.startswith("arm"):
             self._account.lost(named(type(self.peer)), abs(world - expected))
         assert world == expected
+
+
+def begun(act: Callable[[], object], busy: Callable[[], bool]) -> Future[object]:
+    """Let a command run in another thread, and return when the device acts."""
+    future: Future[object] = Future()
+
+    def run() -> None:
+        try:
+            future.set_result(act())
+        except CommandError as failure:
+            future.set_exception(failure)
+
+    threading.Thread(target=run, daemon=True).start()
+    wait_until(busy, "the device acts")
+    assert not future.done()
+    return future
 
 
 def error_of(future: Future[object]) -> CommandError:

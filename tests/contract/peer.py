@@ -10,7 +10,7 @@ import numpy as np
 from beltsort.cell import Belt, Scan, Sorter
 from beltsort.errors import CloudError
 
-PATIENCE = 20.0
+PATIENCE = 60.0
 """Seconds that a process may take to start or to say something."""
 
 

@@ -6,7 +6,6 @@ and a `ProcessPeer` if it is a process of its own.
 
 import json
 import signal
-import socket
 import subprocess
 import sys
 from abc import abstractmethod
@@ -25,15 +24,16 @@ from beltsort.cell.opcua import make as make_opcua
 from tests.contract.in_process import DryRunPeer, InProcessPeer, ReplayPeer, SimulatedPeer
 from tests.contract.peer import PATIENCE, Peer, ProcessPeer
 from tests.contract.ros1_peer import Ros1Peer
+from tests.ports import HeldPort
 
 SPEED = 20
 """An advance by one object takes 0.075 s, a sort 0.15 s."""
 
-LONG_WAY = 40
-"""Objects that it takes the belt 3 s to advance by."""
+LONG_WAY = 4000
+"""Objects that it takes the belt five minutes to advance by: an advance for tests that break it off."""
 
-ANSWER_TIMEOUT = 0.8
-"""Seconds; short, since tests wait for it to pass."""
+ANSWER_TIMEOUT = 4.0
+"""Seconds; tests that wait for an answer in vain give the command itself less time."""
 
 
 class ServerPeer(ProcessPeer):
@@ -52,8 +52,9 @@ class ServerPeer(ProcessPeer):
         self.client.admit(self.server)
         self._process: subprocess.Popen[str] | None = None
         self._devices: list[FieldbusDevice] = []
-        with socket.create_server(("127.0.0.1", 0)) as probe:
-            self.port: int = probe.getsockname()[1]
+        self._held = HeldPort()
+        self.port = self._held.number
+        self._unused = HeldPort()
 
     @abstractmethod
     def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
@@ -86,9 +87,7 @@ class ServerPeer(ProcessPeer):
         return self._kept(self.connect(self.client, self.client.trust, self.port))
 
     def unreachable(self) -> FieldbusDevice:
-        with socket.create_server(("127.0.0.1", 0)) as probe:
-            port = probe.getsockname()[1]
-        return self._kept(self.connect(self.client, self.client.trust, port))
+        return self._kept(self.connect(self.client, self.client.trust, self._unused.number))
 
     def untrusted(self) -> FieldbusDevice:
         """Return a device that the server does not trust."""
@@ -109,7 +108,8 @@ class ServerPeer(ProcessPeer):
         return self.world("belt") + 1
 
     def far(self, role: str) -> int:
-        return self.world("belt") + LONG_WAY if role == "belt" else self.fresh(role)
+        self.push("slow")
+        return self.fresh(role)
 
     def impossible(self, role: str) -> int:
         return self.world("belt") - 1 if role == "belt" else 17
@@ -174,6 +174,8 @@ class ServerPeer(ProcessPeer):
         self.hang_up()
         if self._process is not None:
             self.kill()
+        self._held.close()
+        self._unused.close()
 
     @property
     def _running(self) -> subprocess.Popen[str]:

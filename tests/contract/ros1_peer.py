@@ -4,12 +4,14 @@ import time
 from pathlib import Path
 from typing import Any
 
+from beltsort.cell import CommandError
 from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig, require_ros
 from tests.contract.peer import ProcessPeer, SeeingPeer
+from tests.waiting import wait_until
 
-SLOW = {"arm": {"speed": 0.5}, "belt": {"travel": 1.0}, "sorter": {"sort": 1.0}}
+SLOW = {"arm": {"speed": 0.15}, "belt": {"travel": 4.0}, "sorter": {"sort": 4.0}}
 
 
 class Ros1Peer(SeeingPeer, ProcessPeer):
@@ -41,7 +43,14 @@ class Ros1Peer(SeeingPeer, ProcessPeer):
 
     def ready(self, role: str) -> Any:
         device = self._devices[role]
-        assert device.health().ready
+
+        def ready() -> bool:
+            try:
+                return bool(device.health().ready)
+            except CommandError:  # master or peer took longer than a device allows them
+                return False
+
+        wait_until(ready, f"the {role} is ready")
         return device
 
     def fresh(self, role: str) -> int:

@@ -72,7 +72,7 @@ def test_a_lost_acknowledgement_does_not_undo_the_act(bench: Bench[Peer]) -> Non
     bench.suffers()
     bench.peer.lose(bench.role)
     with pytest.raises(CommandError) as error:
-        bench.act(target, command_id, timeout=1.5)
+        bench.act(target, command_id, timeout=2.5)
     assert error.value.outcome is Outcome.UNKNOWN
     bench.peer.heard()
     assert bench.settled(command_id) is Outcome.DONE
@@ -100,7 +100,7 @@ def test_a_killed_peer_leaves_the_command_unsettled(bench: Bench[ProcessPeer]) -
     bench.act(bench.peer.fresh(bench.role), earlier)
     boot_id = bench.device.health().boot_id
     target = bench.peer.far(bench.role)
-    moving = bench.begun(target, command_id, timeout=1.5)
+    moving = bench.begun(target, command_id, timeout=2.5)
     bench.suffers()
     bench.peer.kill()
     assert error_of(moving).outcome is Outcome.UNKNOWN
@@ -127,7 +127,7 @@ def test_a_killed_peer_leaves_the_command_unsettled(bench: Bench[ProcessPeer]) -
 def test_a_late_answer_is_ignored_and_the_outcome_is_the_truth(bench: Bench[ProcessPeer]) -> None:
     command_id, target = new_id(), bench.peer.far(bench.role)
     expected = bench.after(target)
-    moving = bench.begun(target, command_id, timeout=1.2)
+    moving = bench.begun(target, command_id, timeout=2.5)
     bench.suffers()
     bench.peer.hang()
     assert error_of(moving).outcome is Outcome.UNKNOWN
@@ -164,7 +164,7 @@ def test_a_stuck_belt_is_not_said_to_have_moved(bench: Bench[ProcessPeer]) -> No
     bench.suffers()
     bench.peer.stick()
     with pytest.raises(CommandError) as error:
-        bench.act(target, command_id, timeout=1.0)
+        bench.act(target, command_id, timeout=4.0)
     assert error.value.outcome is bench.device.outcome_of(command_id)
     assert error.value.outcome is not Outcome.DONE
     bench.check(world)
@@ -179,7 +179,7 @@ def test_a_belt_that_goes_too_far_says_where_it_is(bench: Bench[ProcessPeer]) ->
     bench.suffers()
     bench.peer.overshoot()
     with pytest.raises(CommandError, match=rf"\b{target + 1}\b") as error:
-        bench.act(target, command_id, timeout=1.0)
+        bench.act(target, command_id, timeout=4.0)
     assert error.value.outcome is bench.device.outcome_of(command_id) is Outcome.UNKNOWN
     bench.check(target + 1)
     bench.peer.looked_at(target + 1)

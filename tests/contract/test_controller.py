@@ -92,6 +92,19 @@ def test_memory_is_bounded_and_says_so() -> None:
     assert rig.ask(Verb.RECALL, key=3).phase is Phase.DONE
 
 
+def test_a_delayed_command_is_running_before_it_moves_and_only_one_is_delayed() -> None:
+    rig = Rig()
+    rig.controller.delay(4.0)
+    rig.ask(Verb.ADVANCE, 4, key=1)
+    rig.time += 3.5
+    assert rig.ask(Verb.RECALL, key=1).phase is Phase.RUNNING
+    rig.ask(Verb.STOP)
+    rig.ask(Verb.HOME, 0)
+    rig.ask(Verb.ADVANCE, 1, key=2)
+    rig.time += 1.0
+    assert rig.ask(Verb.RECALL, key=2).phase is Phase.DONE
+
+
 def test_a_belt_stopped_on_the_way_goes_on_from_there() -> None:
     rig = Rig()
     rig.ask(Verb.ADVANCE, 4, key=1)

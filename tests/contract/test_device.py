@@ -55,7 +55,7 @@ class Station:
         return self.wire
 
     def device(self) -> FieldbusDevice:
-        return FieldbusDevice(self.connect, "the station", answer_timeout=0.2, clock=lambda: NOW)
+        return FieldbusDevice(self.connect, "the station", answer_timeout=1.0, clock=lambda: NOW)
 
 
 @dataclass

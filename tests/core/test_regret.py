@@ -17,13 +17,14 @@ from beltsort import (
 )
 
 from .models import random_model
+from .solving import solved_until, within
 
 LONG = 80  # decisions, at least two steps each; what comes later is discounted away
 
 
 @pytest.fixture(scope="module")
 def solution(paper: SortingModel) -> Solution:
-    return solve(paper.with_positions(1), seconds=5)
+    return solved_until(within(0.005), paper.with_positions(1))
 
 
 @pytest.mark.parametrize("threshold", [0.8, 0.97, 0.999])

@@ -7,7 +7,6 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import time
 from contextlib import closing
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from beltsort.experiments import paper
 from beltsort.experiments.paper import Reproduction, run_experiments
 from beltsort.experiments.paper.files import REPRODUCIBLE, write_tables
 from beltsort.tables.prepare import Prepared
+from tests.waiting import wait_until
 
 from .tiny import SEED, TINY
 
@@ -91,10 +91,10 @@ def test_killed_resumed_and_on_two_processes_the_numbers_are_the_same(
     cell.instance.model.save(model)
     command = [sys.executable, "-m", "tests.experiments.tiny", str(model), str(cell.database), str(tmp_path)]
     with subprocess.Popen(command, cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}) as killed:
-        for _ in range(600):
-            if killed.poll() is not None or rows_in(tmp_path / "points" / "scans" / "rows.sqlite") > 1:
-                break
-            time.sleep(0.1)
+        scans = tmp_path / "points" / "scans" / "rows.sqlite"
+        wait_until(
+            lambda: killed.poll() is not None or rows_in(scans) > 1, "two rows of scans", timeout=250.0
+        )
         killed.send_signal(signal.SIGKILL)
     assert killed.returncode == -signal.SIGKILL
     first: dict[str, tuple[int, int]] = {}

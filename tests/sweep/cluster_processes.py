@@ -4,13 +4,12 @@ import json
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-DEADLINE = 20.0
+from tests.waiting import wait_until
 
 
 @dataclass(frozen=True)
@@ -47,15 +46,16 @@ def cluster(folder: Path, workers: int, options: Sequence[str] = ()) -> Iterator
         for process in started:
             process.kill()
         for process in started:
-            process.wait(DEADLINE)
+            process.wait()
 
 
 def _address(file: Path) -> str:
-    """Wait for the file that the scheduler writes."""
-    deadline = time.monotonic() + DEADLINE
-    while not file.exists():
-        assert time.monotonic() < deadline, "the scheduler has not started"
-        time.sleep(0.05)
-    address = json.loads(file.read_text())["address"]
-    assert isinstance(address, str)
-    return address
+    """Wait for the file that the scheduler writes, all of it."""
+
+    def address() -> str:
+        try:
+            return str(json.loads(file.read_text())["address"])
+        except (FileNotFoundError, json.JSONDecodeError):
+            return ""
+
+    return wait_until(address, "the scheduler starts")

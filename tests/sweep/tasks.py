@@ -2,10 +2,11 @@
 
 import os
 import signal
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+from tests.waiting import PATIENCE, wait_until
 
 
 def square(point: Mapping[str, Any]) -> dict[str, Any]:
@@ -16,10 +17,8 @@ def noted(point: Mapping[str, Any]) -> dict[str, Any]:
     """Leaves a line for each time that a point is begun; one with a gate waits until that is there."""
     with Path(point["notes"]).open("a") as file:
         file.write(f"{point['x']} {os.getpid()}\n")
-    time.sleep(point.get("seconds", 0.0))
-    deadline = time.monotonic() + 60.0
-    while "gate" in point and not Path(point["gate"]).exists() and time.monotonic() < deadline:
-        time.sleep(0.01)
+    if "gate" in point:
+        wait_until(Path(point["gate"]).exists, "the gate opens", timeout=10.0 * PATIENCE)
     return square(point)
 
 

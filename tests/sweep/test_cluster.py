@@ -14,32 +14,39 @@ from beltsort.experiments.sweep.engine import run_points
 from beltsort.experiments.sweep.store import RowStore
 from tests.sweep import tasks
 from tests.sweep.certificates import make_certificates
-from tests.sweep.cluster_processes import DEADLINE, cluster
+from tests.sweep.cluster_processes import cluster
 from tests.sweep.test_file import MODEL, PLANNER, load
 from tests.sweep.test_sweep import SCANS
+from tests.waiting import PATIENCE, wait_until
 
 POINTS = 20
 
 
 def test_a_worker_that_is_killed_loses_and_doubles_no_row(tmp_path: Path) -> None:
-    notes, store = tmp_path / "notes", tmp_path / "store"
-    points = [{"x": x, "seconds": 0.1, "notes": str(notes)} for x in range(POINTS)]
+    notes, store, gate = tmp_path / "notes", tmp_path / "store", tmp_path / "gate"
+    points = [{"x": x, "notes": str(notes), "gate": str(gate)} for x in range(POINTS)]
+    del points[0]["gate"]
     with cluster(tmp_path, workers=2) as processes:
         with Client(processes.address, set_as_default=False) as client:
-            client.wait_for_workers(2, timeout=DEADLINE)
-        victim = processes.workers[0]
+            client.wait_for_workers(2, timeout=PATIENCE)
+
+        def at_the_gate() -> list[int]:
+            begun = (map(int, line.split()) for line in notes.read_text().splitlines())
+            return [pid for x, pid in begun if x > 0]
 
         def kill_midway(done: int, _total: int) -> None:
-            """Kill a worker that is at work."""
-            at_work = {int(line.split()[1]) for line in notes.read_text().splitlines()} if done else set()
-            if victim.pid in at_work and victim.poll() is None:
+            """Kill a worker that is at work, when the one point that need not wait is finished."""
+            if done == 1:
+                pid = wait_until(at_the_gate, "a worker waits at the gate")[0]
+                (victim,) = (worker for worker in processes.workers if worker.pid == pid)
                 victim.kill()
-                victim.wait(DEADLINE)
+                victim.wait()
+                gate.touch()
 
         rows = run_points(
             tasks.noted, points, store, scheduler=Cluster(processes.address), progress=kill_midway
         )
-        assert victim.poll() is not None
+        assert [worker.poll() is None for worker in processes.workers].count(False) == 1
     assert [row["square"] for row in rows] == [x * x for x in range(POINTS)]
     with RowStore(store) as kept:
         assert sorted(row["x"] for row in kept.values().values()) == list(range(POINTS))
@@ -70,7 +77,6 @@ def test_a_task_that_fails_is_named(tmp_path: Path) -> None:
 
 
 def test_over_tls_both_sides_are_certified(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("beltsort.experiments.sweep.cluster.CONNECTING", 4.0)
     ours, foreign = (make_certificates(new_folder(tmp_path / name)) for name in ("ours", "foreign"))
     options = (
         *("--tls-ca-file", str(ours.authority)),
@@ -82,6 +88,7 @@ def test_over_tls_both_sides_are_certified(tmp_path: Path, monkeypatch: pytest.M
         known = Cluster(processes.address, ours)
         rows = run_points(tasks.square, points, tmp_path / "store", scheduler=known)
         assert [row["square"] for row in rows] == [0, 1, 4]
+        monkeypatch.setattr("beltsort.experiments.sweep.cluster.CONNECTING", 2.0)
         stranger = Cluster(processes.address, foreign)
         with pytest.raises(SweepError, match="no scheduler answers at tls://"):
             run_points(tasks.square, points, tmp_path / "other", scheduler=stranger)

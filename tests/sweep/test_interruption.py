@@ -1,27 +1,16 @@
 """Ctrl-C and kill -9 lose what was under way, and nothing else."""
 
-import os
 import signal
 import subprocess
 import sys
-import time
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from beltsort.experiments.sweep.store import FILE, RowStore
 from tests.sweep.gated_run import ALL, FREE, run
-
-DEADLINE = 30.0
-
-
-def wait_for(what: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + DEADLINE
-    while not what():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+from tests.waiting import PATIENCE, alive, wait_until
 
 
 def notes(folder: Path) -> list[list[str]]:
@@ -36,26 +25,21 @@ def finished(folder: Path) -> int:
         return len(store.values())
 
 
-def alive(pid: str) -> bool:
-    try:
-        os.kill(int(pid), 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGKILL])
 def test_what_was_finished_is_not_done_again(tmp_path: Path, ending: signal.Signals) -> None:
     script = [sys.executable, "-m", "tests.sweep.gated_run", str(tmp_path)]
     process = subprocess.Popen(script, stderr=subprocess.DEVNULL)
     try:
-        wait_for(lambda: finished(tmp_path) == FREE and len(notes(tmp_path)) == ALL)
+        wait_until(
+            lambda: finished(tmp_path) == FREE and len(notes(tmp_path)) == ALL,
+            "all but two points are finished",
+        )
         process.send_signal(ending)
-        assert process.wait(DEADLINE) == -ending  # though two points would wait for a minute
+        assert process.wait(PATIENCE) == -ending  # though two points still wait at the gate
     finally:
         process.kill()
         process.wait()
-    wait_for(lambda: not any(alive(pid) for _, pid in notes(tmp_path)))
+    wait_until(lambda: not any(alive(int(pid)) for _, pid in notes(tmp_path)), "the workers end")
 
     (tmp_path / "gate").touch()
     assert run(tmp_path) == [x * x for x in range(ALL)]

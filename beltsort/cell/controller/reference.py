@@ -111,6 +111,7 @@ class Controller:
         self._emergency_stop = False
         self._fault = Reason.NOT_HOMED
         self._mishap: Mishap | None = None
+        self._delay = 0.0
         self._bins = [0] * machine.bins
 
     def is_new(self, request: Request) -> bool:
@@ -151,6 +152,10 @@ class Controller:
         """Let the next advance go wrong."""
         self._mishap = mishap
 
+    def delay(self, seconds: float) -> None:
+        """Let the next command begin to move something so much later."""
+        self._delay = seconds
+
     def _act(self, request: Request) -> Record:
         match request.verb:
             case Verb.ADVANCE | Verb.SORT:
@@ -176,7 +181,7 @@ class Controller:
         refusal = self._refusal(request)
         if refusal is not Reason.NONE:
             return self._ended(request, Phase.NOT_DONE, refusal)
-        begin = self._clock()
+        begin, self._delay = self._clock() + self._delay, 0.0
         end = begin + self._duration(request)
         self._running = Record(request.verb, request.target, Phase.RUNNING, Reason.NONE, begin, end)
         self._remember(request.key, self._running)
@@ -252,7 +257,7 @@ class Controller:
             return
         record.phase, record.reason, record.end = Phase.BROKEN_OFF, reason, self._clock()
         if record.verb == Verb.ADVANCE:
-            passed = int((record.end - record.begin) / self._machine.advance_seconds)
+            passed = max(0, int((record.end - record.begin) / self._machine.advance_seconds))
             self._at, self._between, self._sorted = self._at + passed, True, False
 
     def _home(self, request: Request) -> Record:

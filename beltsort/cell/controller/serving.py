@@ -18,6 +18,9 @@ from beltsort.errors import CellError
 CYCLE = 0.002
 """Seconds between two looks for a request."""
 
+SLOW = 4.0
+"""Seconds by which the button `slow` delays the next command."""
+
 
 class Image(Protocol):
     """The memory that client and controller share over a fieldbus."""
@@ -86,6 +89,7 @@ class Panel:
             "release": self._controller.release,
             "stick": lambda: self._controller.suffer(Mishap.STUCK),
             "overshoot": lambda: self._controller.suffer(Mishap.OVERSHOT),
+            "slow": lambda: self._controller.delay(SLOW),
             "fill": self._controller.fill,
             "empty": self._controller.empty,
             "lose": self._lose,

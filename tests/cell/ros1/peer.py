@@ -7,7 +7,7 @@
 {"stuck": whether the belt does not move}, {"overshoot": whether it goes one object too far},
 {"mute": whether it acts on the next command, but reports nothing from then on}
 
-Each line is answered by one that tells the state of the world.
+Each line is answered by one that tells the state of the world, and how many times it has published.
 """
 
 import json
@@ -49,6 +49,7 @@ class Peer:
         self.object, self.arrives = 0, 0.0
         self.press = Press(self.settings)
         self.told = False
+        self.beats = 0
         advertise = rospy.Publisher
         self.clouds = advertise(CLOUDS, message_class("sensor_msgs/PointCloud2"), queue_size=1)
         self.states = advertise(JOINTS, message_class("sensor_msgs/JointState"), queue_size=10)
@@ -95,6 +96,7 @@ class Peer:
             self.arrives = time.monotonic() + self.settings.travel
 
     def beat(self, n: int) -> None:
+        self.beats += 1
         step = self.settings.speed * BEAT
         for name, at in self.target.items():
             self.joints[name] += float(np.clip(at - self.joints[name], -step, step))
@@ -123,7 +125,14 @@ class Peer:
         travelling = time.monotonic() < self.arrives
         moving = self.joints != self.target
         busy = {"arm": moving, "belt": travelling, "sorter": self.press.busy}
-        return {"joints": self.joints, "object": self.object, "bins": self.press.bins, "busy": busy}
+        return {
+            "joints": self.joints,
+            "object": self.object,
+            "bins": self.press.bins,
+            "busy": busy,
+            "halted": self.arrives == float("inf"),
+            "beats": self.beats,
+        }
 
     def joint_state(self, joints: dict[str, float]) -> Any:
         message = message_class("sensor_msgs/JointState")()

@@ -52,7 +52,7 @@ def arm(master: str, *, action: bool = False) -> Ros1ArmOptions:
         action=ACTION if action else "",
         seconds=0.2,
         still=0.1,
-        stalled=0.3,
+        stalled=1.0,
         emergency_stop_topic=EMERGENCY,
     )
 

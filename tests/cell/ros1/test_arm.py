@@ -1,7 +1,6 @@
 """An arm on ROS 1, by joint commands and by an action."""
 
 import dataclasses
-import threading
 import time
 from collections.abc import Iterator
 from uuid import uuid4
@@ -12,6 +11,7 @@ from beltsort.cell import CommandError, Outcome
 from beltsort.cell.ros1 import Ros1Arm
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig
+from tests.waiting import wait_until
 
 
 @pytest.fixture(scope="session")
@@ -48,17 +48,15 @@ def test_the_flange_is_where_tf_says(rig: Rig, arm: Ros1Arm) -> None:
         assert pose is not None
         assert pose[2, 3] == pytest.approx(scene.TAUGHT["p2"]["elbow"], abs=options.tolerance)
     said = "the pose of 'hand' was not known within 1 s: no transforms"
-    with (
-        Ros1Arm(dataclasses.replace(options, flange_frame="hand")) as lost,
-        pytest.raises(CommandError, match=said),
-    ):
-        lost.flange_pose(timeout=1.0)
+    with Ros1Arm(dataclasses.replace(options, flange_frame="hand")) as lost:
+        lost.connect()
+        with pytest.raises(CommandError, match=said):
+            lost.flange_pose(timeout=1.0)
 
 
 def test_a_refused_goal_says_what_the_action_says(rig: Rig, shared_acting_arm: Ros1Arm) -> None:
     shared_acting_arm.move_to(1, an_id(), timeout=10.0)
     rig.tell(verdict=5)
-    time.sleep(0.1)
     with pytest.raises(CommandError, match=r"the action failed \(5\) says the peer") as error:
         shared_acting_arm.move_to(0, an_id(), timeout=10.0)
     assert error.value.outcome is Outcome.NOT_DONE
@@ -67,15 +65,13 @@ def test_a_refused_goal_says_what_the_action_says(rig: Rig, shared_acting_arm: R
 def test_a_stop_from_another_thread_ends_the_motion(rig: Rig, either: Ros1Arm) -> None:
     either.move_to(0, an_id(), timeout=10.0)
     rig.tell(speed=0.1)
-    time.sleep(0.1)
     one = an_id()
-    stopping = threading.Timer(0.3, either.stop)
-    stopping.start()
+    stopping = rig.when_busy("arm", either.stop)
     with pytest.raises(CommandError, match="told to stop on its way to 'p2'") as error:
         either.move_to(1, one, timeout=10.0)
     assert error.value.outcome is Outcome.UNKNOWN
-    stopping.join(10.0)
-    time.sleep(0.1)
+    stopping.join()
+    wait_until(lambda: not rig.tell()["busy"]["arm"], "the arm stands still")
     rig.mend()
     assert either.outcome_of(one) is not Outcome.DONE
     assert either.move_to(1, one, timeout=10.0) > 0.0

@@ -1,6 +1,5 @@
 """A belt on ROS 1."""
 
-import time
 from itertools import count
 
 import pytest
@@ -8,6 +7,7 @@ import pytest
 from beltsort.cell import CommandError, Outcome
 from beltsort.cell.ros1 import Ros1Belt
 from tests.cell.ros1.rig import Rig
+from tests.waiting import wait_until
 
 OBJECTS = count(10, 10)
 """The belt of all tests moves forward only."""
@@ -29,11 +29,11 @@ def test_it_advances_forward_only_and_a_repeated_command_acts_once(belt: Ros1Bel
 
 def test_a_stopped_belt_does_not_arrive(rig: Rig, belt: Ros1Belt) -> None:
     n = next(OBJECTS)
-    rig.tell(travel=0.6)
-    time.sleep(0.1)
+    rig.tell(travel=60.0)
     with pytest.raises(CommandError, match=f"reported -1 last, expected {n}"):
-        belt.advance_to(n, f"{n}", timeout=0.2)
+        belt.advance_to(n, f"{n}", timeout=2.0)
     belt.stop()
-    time.sleep(0.8)
+    wait_until(lambda: rig.tell()["halted"], "the belt is told to stop")
     assert belt.outcome_of(f"{n}") is Outcome.UNKNOWN
+    rig.mend()
     assert belt.advance_to(n, f"{n}", timeout=10.0) > 0.0

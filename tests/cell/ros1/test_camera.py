@@ -48,10 +48,9 @@ def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: Rig) -> None:
 )
 def test_an_unusable_cloud_is_waited_out(rig: Rig, camera: Ros1Camera, cloud: str, said: str) -> None:
     rig.tell(cloud=cloud)
-    time.sleep(0.15)
     now = time.time()
     with pytest.raises(CommandError, match=said) as error:
-        camera.scan(not_before=now, timeout=0.3)
+        camera.scan(not_before=now, timeout=1.5)
     assert error.value.outcome is Outcome.NOT_DONE
     rig.tell(cloud="good")
     assert camera.scan(not_before=now, timeout=10.0).stamp >= now
@@ -67,4 +66,4 @@ def test_a_world_that_tf_does_not_know(rig: Rig) -> None:
     with Ros1Camera(options) as camera:
         camera.connect()
         with pytest.raises(CommandError, match="no transforms lead from 'optical' to 'moon'"):
-            camera.scan(not_before=0.0, timeout=0.5)
+            camera.scan(not_before=0.0, timeout=2.0)

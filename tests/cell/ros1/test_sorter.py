@@ -1,6 +1,5 @@
 """A sorter on ROS 1: its keys, and what its record tells."""
 
-import threading
 from collections.abc import Iterator
 from uuid import uuid4
 
@@ -52,22 +51,20 @@ def test_another_program_learns_what_became_of_a_sort(rig: Rig, sorter: Ros1Sort
 def test_a_sort_that_was_stopped_on_the_way_is_unknown(rig: Rig, sorter: Ros1Sorter) -> None:
     rig.tell(sort=60.0)
     one = an_id()
-    stopping = threading.Timer(0.3, sorter.stop)
-    stopping.start()
+    stopping = rig.when_busy("sorter", sorter.stop)
     with pytest.raises(CommandError, match=r"broke .* off .*stopped on the way") as error:
         sorter.sort(1, one, timeout=10.0)
-    stopping.join(10.0)
+    stopping.join()
     assert error.value.outcome is sorter.outcome_of(one) is Outcome.UNKNOWN
 
 
 def test_the_emergency_stop(rig: Rig, sorter: Ros1Sorter) -> None:
     rig.tell(sort=60.0)
-    pressing = threading.Timer(0.3, rig.tell, kwargs={"emergency": True})
-    pressing.start()
+    pressing = rig.when_busy("sorter", lambda: rig.tell(emergency=True))
     one = an_id()
     with pytest.raises(EmergencyStopError) as error:
         sorter.sort(1, one, timeout=10.0)
-    pressing.join(10.0)
+    pressing.join()
     assert error.value.outcome is Outcome.UNKNOWN
     with pytest.raises(EmergencyStopError) as error:
         sorter.sort(1, one)
