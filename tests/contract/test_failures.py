@@ -1,5 +1,6 @@
 """What controllers on a fieldbus do when the machine, the controller or the network fails."""
 
+import re
 import threading
 import time
 from collections.abc import Callable
@@ -48,8 +49,8 @@ def test_a_restarted_controller_waits_until_somebody_has_looked(server: ServerPe
     health = device.health()
     assert health.boot_id == server.boot_id
     assert not health.ready
-    assert "call home()" in health.fault
-    with pytest.raises(CommandError, match=r"call home\(\)") as error:
+    assert "home()" in health.fault
+    with pytest.raises(CommandError, match=r"home\(\)") as error:
         device.sort(0, new_id())
     assert error.value.outcome is Outcome.NOT_DONE
     device.home(7)
@@ -59,10 +60,10 @@ def test_a_restarted_controller_waits_until_somebody_has_looked(server: ServerPe
 def test_a_stuck_belt_has_not_moved_and_may_try_again(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
     server.push("stick")
-    with pytest.raises(CommandError, match="the belt did not move") as error:
+    with pytest.raises(CommandError, match=r"advanc\w+ .*\b2\b.*\bmove\b.*home\(\)") as error:
         device.advance_to(2, command_id)
     assert error.value.outcome is device.outcome_of(command_id) is Outcome.NOT_DONE
-    assert "the belt did not move" in device.health().fault
+    assert re.search(r"\bmove\b.*home\(\)", device.health().fault)
     device.home(0)
     device.advance_to(2, command_id)
     assert device.outcome_of(command_id) is Outcome.DONE
@@ -71,10 +72,10 @@ def test_a_stuck_belt_has_not_moved_and_may_try_again(server: ServerPeer) -> Non
 def test_a_belt_that_goes_too_far_says_where_it_is(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
     server.push("overshoot")
-    with pytest.raises(CommandError, match=r"went too far.*at object 3") as error:
+    with pytest.raises(CommandError, match=r"\btoo far\b.*home\(\).*\bobject 3\b") as error:
         device.advance_to(2, command_id)
     assert error.value.outcome is device.outcome_of(command_id) is Outcome.UNKNOWN
-    with pytest.raises(CommandError, match="went too far") as error:
+    with pytest.raises(CommandError, match=r"\btoo far\b.*home\(\)") as error:
         device.sort(0, new_id())
     assert error.value.outcome is Outcome.NOT_DONE
     device.home(3)
@@ -103,9 +104,9 @@ def test_stop_from_another_thread_ends_a_command(server: ServerPeer) -> None:
     moving = begun(server, lambda: device.advance_to(LONG_WAY, command_id))
     device.stop()
     failure = error_of(moving)
-    assert "was stopped" in str(failure)
+    assert "stopped" in str(failure)
     assert failure.outcome is device.outcome_of(command_id) is Outcome.UNKNOWN
-    with pytest.raises(CommandError, match="between two objects"):
+    with pytest.raises(CommandError, match=r"\bbetween\b"):
         device.sort(0, new_id())
     device.home(5)
     device.sort(0, new_id())
@@ -113,10 +114,10 @@ def test_stop_from_another_thread_ends_a_command(server: ServerPeer) -> None:
 
 def test_a_deadline_leaves_the_command_acting(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
-    with pytest.raises(CommandError, match=r"still acts after 1 s") as error:
+    with pytest.raises(CommandError, match=r"\b1 s\b") as error:
         device.advance_to(24, command_id, timeout=1.0)
     assert error.value.outcome is Outcome.UNKNOWN
-    with pytest.raises(CommandError, match="another command still acts") as error:
+    with pytest.raises(CommandError, match=r"\bcommand\b.*stop\(\)") as error:
         device.advance_to(24, new_id())
     assert error.value.outcome is Outcome.NOT_DONE
     device.advance_to(24, command_id)
@@ -125,11 +126,11 @@ def test_a_deadline_leaves_the_command_acting(server: ServerPeer) -> None:
 
 def test_nobody_there(server: ServerPeer) -> None:
     device = server.unreachable()
-    with pytest.raises(CommandError, match="cannot be asked") as error:
+    with pytest.raises(CommandError, match=r"(Error|Timeout|Lost)\b.*\baddress\b.*\bcertificates\b") as error:
         device.sort(0, new_id(), timeout=PATIENCE)
     assert error.value.outcome is Outcome.NOT_DONE
     for ask in (device.health, device.stop, lambda: device.outcome_of("any")):
-        with pytest.raises(CommandError, match="cannot be asked"):
+        with pytest.raises(CommandError, match=r"(Error|Timeout|Lost)\b.*\baddress\b.*\bcertificates\b"):
             ask()
 
 
