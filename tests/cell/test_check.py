@@ -32,11 +32,11 @@ def test_the_example_is_within_its_limits(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("limits", "said"),
     [
-        ({"belt_angle": 0.01}, r"p1: the belt is tilted by .* at most 0.01 \(check.belt_angle\)"),
-        ({"belt_height": 0.01}, r"p1: the belt lies at -?.* mm, expected at most 0.01 \(check.belt_height\)"),
-        ({"belt_points": 10**6}, r"p1: \d+ points lie on the belt, expected at least 1000000 \(check.belt_p"),
-        ({"crop_inside": 1.0}, r"p2, position 2: \d+% of the crop is inside .* at least 100% \(check.crop_i"),
-        ({"crop_points": 10**6}, r"p1, position 1: \d+ points are in the crop, .* \(check.crop_points\)"),
+        ({"belt_angle": 0.01}, r"p1: .*\b0\.01 \(check\.belt_angle\)"),
+        ({"belt_height": 0.01}, r"p1: .* mm\b.*\b0\.01 \(check\.belt_height\)"),
+        ({"belt_points": 10**6}, r"p1: \d+ points\b.*\b1000000 \(check\.belt_points\)"),
+        ({"crop_inside": 1.0}, r"p2, position 2: \d+%.*\b100% \(check\.crop_inside\)"),
+        ({"crop_points": 10**6}, r"p1, position 1: \d+ points\b.*\b1000000 \(check\.crop_points\)"),
     ],
 )
 def test_each_limit_is_kept(tmp_path: Path, limits: dict[str, Any], said: str) -> None:
@@ -51,7 +51,7 @@ def test_the_first_failure_ends_the_visits(tmp_path: Path) -> None:
     found = check_cell(cell, described(tmp_path).check)
     assert [view.viewpoint for view in found.views] == ["p1"]
     (failure,) = found.exceeded
-    assert "was refused" in failure
+    assert "move_to" in failure
 
 
 def test_bad_scans_are_beyond_the_limits(tmp_path: Path) -> None:
@@ -60,7 +60,7 @@ def test_bad_scans_are_beyond_the_limits(tmp_path: Path) -> None:
         assert len(found.views) == 3
         assert [line.split(":")[0] for line in found.exceeded] == ["p2", "p2, position 1", "p2, position 2"]
     truncated = check_cell(composed(tmp_path, fault("scan", 3, "truncated_scan")), described(tmp_path).check)
-    assert any("inside the image" in line for line in truncated.exceeded)
+    assert any("(check.crop_inside)" in line for line in truncated.exceeded)
 
 
 def test_nothing_moves_while_a_device_is_not_ready(tmp_path: Path) -> None:
@@ -71,7 +71,8 @@ def test_nothing_moves_while_a_device_is_not_ready(tmp_path: Path) -> None:
     assert error.value.outcome is Outcome.NOT_DONE
     calls.clear()
     found = check_cell(cell, described(tmp_path).check)
-    assert found.exceeded == ["arm: is not ready: emergency stop (a fault on purpose: see [faults])"]
+    (failure,) = found.exceeded
+    assert re.search(r"^arm: .*\bemergency stop\b.*\[faults\]", failure)
     assert {recorded.call.name for recorded in calls} == {"health"}
 
 

@@ -17,7 +17,7 @@ def test_a_late_answer_is_dropped() -> None:
         ended.set()
         return "late"
 
-    with pytest.raises(CommandError, match=r"the move did not end within 0\.05 s") as error:
+    with pytest.raises(CommandError, match=r"the move\b.*\b0\.05 s\b") as error:
         within(0.05, "the move", late)
     assert error.value.outcome is Outcome.UNKNOWN
     release.set()
@@ -39,13 +39,13 @@ def test_waiting_ends_with_the_act() -> None:
 
 def test_a_simulated_act_that_would_take_too_long_is_not_done_and_may_be_repeated() -> None:
     cell = SimulatedCell([0, 1])
-    with pytest.raises(CommandError, match="the sort takes 3 s, more than the timeout of 1 s") as error:
+    with pytest.raises(CommandError, match=r"sort\b.*\b3 s\b.*\b1 s\b") as error:
         cell.sort(0, "sort-1", timeout=1.0)
     assert error.value.outcome is cell.outcome_of("sort-1") is Outcome.NOT_DONE
     assert cell.bins == []
     cell.sort(0, "sort-1")
     assert cell.outcome_of("sort-1") is Outcome.DONE
-    with pytest.raises(CommandError, match="the advance takes"):
+    with pytest.raises(CommandError, match=r"advance\b.*\b1 s\b"):
         cell.advance_to(1, "advance-2", timeout=1.0)
     cell.advance_to(1, "advance-2")
     cell.sort(1, "sort-3")

@@ -72,32 +72,32 @@ def test_where_the_belt_lies_in_the_robots_world(tmp_path: Path) -> None:
 
 
 WRONG = [
-    ("spacing = 0.18", "spacng = 0.18", "belt.spacng: is an unknown key; did you mean 'spacing'"),
-    ("positions = 2", "positions = 0", "belt.positions: is 0, expected greater than 0: Number of bel"),
-    ("positions = 2", 'positions = "2"', "belt.positions: is '2', expected a valid integer: Number of"),
-    ("spacing = 0.18", "crop_height = 0.04", "belt: crop_height is 0.04 and rim_height 0.05, expected room"),
-    ("trials = 300", "trials = 300\nseconds = 1", "planner: trials is 300 and seconds is 1.0, expected one"),
-    (OBJECTS, "\nrules = {max_loks = 3}\n", "rules.max_loks: is an unknown key; did you mean 'max_looks'."),
-    ("version = 1", "version = 2", "version: is 2 in .*, expected 1"),
-    ("version = 1", "", "version: is missing in .*, expected 1"),
-    ("version = 1", "version = ", r"cannot read .*cell.toml: .*line 2.*see docs/cell.md"),
-    ("azimuth = 90.0\n", "", r"viewpoints\[0\]: has elevation, expected joints, or azimuth and elev"),
-    (P1, 'name = "p1"', r"viewpoints\[0\]: has no pose, expected joints, or azimuth and elevation, or posi"),
-    (P1, 'name = "p1"\njoints = [0.1, "b"]', r"viewpoints\[0\].joints\[1\]: is 'b', expected a valid number"),
-    ('"p1"', '"p2"', r"viewpoints: are named \['p2', 'p2', 'p3'\], expected no name twice"),
-    (OBJECTS, "\nreject_bin = 3\n", "reject_bin: is 3, a class's bin; expected one of its own"),
-    (OBJECTS, "\nbins = {elongated = 1}\n", r"bins: are given for \['elongated'\], expected \['elongated', "),
-    (OBJECTS, '\nmodel = "m"\n', "model: is 'm', but there is .prepare., which makes one"),
-    ("[prepare]\ntraining_objects = 40\ntable_objects = 100", 'model = "m"', "^classifier: is missing"),
-    (OBJECTS, "\nperception = {voxel = 0}\n", "perception: voxel is 0.*, expected above 0"),
-    ("[planner]", "[drift]\nfalse_alarm = 2\n[planner]", "drift: false_alarm is 2.*, expected a probability"),
-    ("[planner]", "[faults.rates]\nnot_don = 0.1\n[planner]", "faults.rates.not_don.*'not_done', 'lost_ack"),
-    ("[planner]", "[faults.rates]\nlate = 1.5\n[planner]", "faults.rates.late: is 1.5, expected less"),
-    ("[backends.simulated]", "[backends.simulatd]", "backends.simulatd: has options, but drives no de"),
+    ("spacing = 0.18", "spacng = 0.18", r"^belt\.spacng: .*'spacing'"),
+    ("positions = 2", "positions = 0", r"^belt\.positions: .*\b0\b.*\b0\b"),
+    ("positions = 2", 'positions = "2"', r"^belt\.positions: .*'2'.*\binteger\b"),
+    ("spacing = 0.18", "crop_height = 0.04", r"^belt: crop_height\b.*\b0\.04\b.*rim_height\b.*\b0\.05\b"),
+    ("trials = 300", "trials = 300\nseconds = 1", r"^planner: trials\b.*\b300\b.*seconds\b.*\b1\.0\b"),
+    (OBJECTS, "\nrules = {max_loks = 3}\n", r"^rules\.max_loks: .*'max_looks'"),
+    ("version = 1", "version = 2", r"^version: .*\b2\b.*cell\.toml.*\bversion = 1\b"),
+    ("version = 1", "", r"^version: .*\bmissing\b.*cell\.toml.*\bversion = 1\b"),
+    ("version = 1", "version = ", r"cell\.toml\b.*line 2\b.*docs/cell\.md"),
+    ("azimuth = 90.0\n", "", r"^viewpoints\[0\]: .*\belevation\b.*\bjoints\b.*\bazimuth\b"),
+    (P1, 'name = "p1"', r"^viewpoints\[0\]: .*\bpose\b.*\bjoints\b.*\bazimuth\b.*\bposition\b"),
+    (P1, 'name = "p1"\njoints = [0.1, "b"]', r"^viewpoints\[0\]\.joints\[1\]: .*'b'.*\bnumber\b"),
+    ('"p1"', '"p2"', r"^viewpoints: .*\['p2', 'p2', 'p3'\]"),
+    (OBJECTS, "\nreject_bin = 3\n", r"^reject_bin: .*\b3\b.*\bclass"),
+    (OBJECTS, "\nbins = {elongated = 1}\n", r"^bins: .*\['elongated'\].*\['elongated', "),
+    (OBJECTS, '\nmodel = "m"\n', r"^model: .*'m'.*\[prepare\]"),
+    ("[prepare]\ntraining_objects = 40\ntable_objects = 100", 'model = "m"', r"^classifier: .*\[prepare\]"),
+    (OBJECTS, "\nperception = {voxel = 0}\n", r"^perception: voxel\b.*\b0\.0\b"),
+    ("[planner]", "[drift]\nfalse_alarm = 2\n[planner]", r"^drift: false_alarm\b.*\b2\b.*\bprobability\b"),
+    ("[planner]", "[faults.rates]\nnot_don = 0.1\n[planner]", r"^faults\.rates\.not_don\b.*'not_done', "),
+    ("[planner]", "[faults.rates]\nlate = 1.5\n[planner]", r"^faults\.rates\.late: .*\b1\.5\b.*\b1\b"),
+    ("[backends.simulated]", "[backends.simulatd]", r"^backends\.simulatd: .*'simulated'"),
     (
         "[planner]",
         '[[faults.schedule]]\ncommand = "scan"\nnumber = 1\nkind = "full_bin"\n[planner]',
-        r"faults.schedule\[0\]: has kind full_bin for command scan, expected one of sort",
+        r"^faults\.schedule\[0\]: .*\bfull_bin\b.*\bscan\b.*\bsort\b",
     ),
 ]  # fmt: skip
 
@@ -113,9 +113,11 @@ def test_a_wrong_file_is_told_where_what_and_what_to_do(
 def test_joint_angles_stay_within_the_limits(tmp_path: Path) -> None:
     limits = ("[arm]\n", "[arm]\njoint_limits = [[-3.0, 3.0], [-1.0, 1.0]]\n")
     described(tmp_path, limits, (P1, 'name = "p1"\njoints = [0.1, 0.2]'))
-    with pytest.raises(CellFileError, match=r"viewpoints\[0\].joints\[1\]: is 1.2, expected -1 to 1"):
+    with pytest.raises(
+        CellFileError, match=r"^viewpoints\[0\]\.joints\[1\]: .*\b1\.2\b.*-1\b.*\b1\b.*arm\.joint_limits"
+    ):
         described(tmp_path, limits, (P1, 'name = "p1"\njoints = [0.1, 1.2]'))
-    with pytest.raises(CellFileError, match=r"viewpoints\[0\].joints: has 1 angles, expected 2"):
+    with pytest.raises(CellFileError, match=r"^viewpoints\[0\]\.joints: .*\b1\b.*\b2\b.*arm\.joint_limits"):
         described(tmp_path, limits, (P1, 'name = "p1"\njoints = [0.1]'))
 
 
@@ -131,7 +133,7 @@ def test_all_errors_are_told_at_once(tmp_path: Path) -> None:
 
 
 def test_a_missing_file_is_named() -> None:
-    with pytest.raises(CellFileError, match="cannot read nowhere"):
+    with pytest.raises(CellFileError, match=r"\bnowhere\.toml\b.*No such file"):
         CellDescription.load("nowhere.toml")
 
 
@@ -154,7 +156,7 @@ def test_a_quaternion_turns_as_its_product_says(quaternion: list[float]) -> None
 
 @pytest.mark.parametrize("scale", [[1, 1, -1], [1, 1, 1.1]])
 def test_mirrors_and_scales_are_no_poses(scale: list[float]) -> None:
-    with pytest.raises(ValueError, match="is no rigid transform"):
+    with pytest.raises(ValueError, match=rf"{scale[2]:.1f}, 0\.0\].*\brigid\b"):
         from_matrix(np.diag([*scale, 1]).tolist())
 
 
@@ -168,12 +170,12 @@ def test_options_are_checked_by_the_back_end_and_placed_where_they_stand(tmp_pat
 
 def test_what_cannot_be_simulated_is_refused(tmp_path: Path) -> None:
     joints = described(tmp_path, (P1, 'name = "p1"\njoints = [0.1]'))
-    with pytest.raises(CellFileError, match="viewpoint p1 has no azimuth and elevation"):
+    with pytest.raises(CellFileError, match=r"viewpoint p1\b.*\bazimuth\b.*\belevation\b"):
         compose(joints, live=False, say=print)
     bins = "bins = {elongated = 1, livarno = 0, mushroom = 2, standard = 3}"
-    with pytest.raises(CellFileError, match=r"bins are .* leave them out"):
+    with pytest.raises(CellFileError, match=r"\bbins\b.*'elongated': 1, 'livarno': 0, "):
         compose(described(tmp_path, (OBJECTS, f"\n{bins}\n")), live=False, say=print)
-    with pytest.raises(CellFileError, match=r"draw_from\[1\]: is 'livarn'; did you mean 'livarno'"):
+    with pytest.raises(CellFileError, match=r"draw_from\[1\]: .*'livarn'.*'livarno'"):
         compose(described(tmp_path, ('"livarno"]', '"livarn"]')), live=False, say=print)
 
 
@@ -190,5 +192,5 @@ def test_viewpoints_may_come_from_their_own_file(tmp_path: Path) -> None:
     assert pose is not None
     assert np.allclose(pose, views.viewpoints[1].pose())
     path.write_text(path.read_text().replace("views.json", "none.json"))
-    with pytest.raises(CellFileError, match=r"viewpoints: names .*none\.json"):
+    with pytest.raises(CellFileError, match=r"^viewpoints: .*none\.json\b.*No such file"):
         CellDescription.load(path)

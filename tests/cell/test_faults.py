@@ -24,7 +24,7 @@ def faulty(folder: Path, *schedule: tuple[str, int, str]) -> ComposedCell:
 @pytest.mark.parametrize("kind", ["not_done", "full_bin"])
 def test_a_refused_sort_was_not_done_and_may_be_repeated(tmp_path: Path, kind: str) -> None:
     cell = faulty(tmp_path, ("sort", 1, kind))
-    with pytest.raises(CommandError, match="on purpose") as error:
+    with pytest.raises(CommandError, match=r"\[faults\]") as error:
         cell.sorter.sort(0, "sort-1")
     assert error.value.outcome is cell.sorter.outcome_of("sort-1") is Outcome.NOT_DONE
     cell.sorter.sort(0, "sort-1")
@@ -42,7 +42,7 @@ def test_a_lost_acknowledgement_was_done(tmp_path: Path) -> None:
 
 def test_a_late_act_happens_when_nobody_waits_any_more(tmp_path: Path) -> None:
     cell = faulty(tmp_path, ("move_to", 1, "late"))
-    with pytest.raises(CommandError, match="did not end within 30 s") as error:
+    with pytest.raises(CommandError, match=r"move_to\b.*\b30 s\b") as error:
         cell.arm.move_to(1, "move-1")
     assert error.value.outcome is Outcome.UNKNOWN
     assert cell.arm.outcome_of("move-1") is Outcome.UNKNOWN
@@ -78,7 +78,7 @@ def test_spoilt_scans(tmp_path: Path) -> None:
     stale = cell.camera.scan(not_before=5.0)
     assert stale.stamp < 5.0
     np.testing.assert_array_equal(stale.points, good.points)
-    with pytest.raises(CommandError, match=r"scan .*did not end") as error:
+    with pytest.raises(CommandError, match=r"scan\b.*\d s\b") as error:
         cell.camera.scan(not_before=5.0)
     assert error.value.outcome is Outcome.UNKNOWN
     assert cell.camera.scan(not_before=5.0).stamp >= 5.0

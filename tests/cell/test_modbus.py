@@ -166,10 +166,13 @@ def test_a_write_without_an_answer_is_not_repeated() -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"port": 0}, "port is 0, expected 1 to 65535"),
-        ({"port": 502, "unit": 256}, "unit is 256"),
-        ({"port": 502}, "set allow_insecure"),
-        ({"port": 502, "allow_insecure": True, "answer_timeout": -1.0}, "answer_timeout is -1.0"),
+        ({"port": 0}, r"\bport\b.*\b0\b.*\b1\b.*\b65535\b"),
+        ({"port": 502, "unit": 256}, r"\bunit\b.*\b256\b.*\b0\b.*\b255\b"),
+        ({"port": 502}, r"certificate, private_key and trust\b.*\ballow_insecure\b"),
+        (
+            {"port": 502, "allow_insecure": True, "answer_timeout": -1.0},
+            r"\banswer_timeout\b.*-1\.0\b.*\b0\b",
+        ),
     ],
 )
 def test_options_without_sense_are_refused(options: dict[str, Any], said: str) -> None:
@@ -178,4 +181,4 @@ def test_options_without_sense_are_refused(options: dict[str, Any], said: str) -
 
 
 def test_the_panel_names_its_buttons(peer: ModbusPeer) -> None:
-    assert "expected one of press, release" in json.dumps(peer.push("explode"))
+    assert "press, release" in json.dumps(peer.push("explode"))

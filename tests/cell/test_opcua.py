@@ -1,6 +1,7 @@
 """What is particular to OPC UA: who may talk to whom."""
 
 import asyncio
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -113,7 +114,10 @@ def test_security_can_be_left_out_on_this_computer(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
-    [(["--host", "0.0.0.0"], "expected this computer"), (["--pki", "{folder}"], "holds no certificate")],
+    [
+        (["--host", "0.0.0.0"], r"'0\.0\.0\.0'.*\b127\.0\.0\.1\b"),
+        (["--pki", "{folder}"], r"\.pem or \.der\b"),
+    ],
 )
 def test_a_server_that_is_open_to_all_or_to_nobody_is_refused(
     tmp_path: Path, arguments: list[str], said: str
@@ -121,19 +125,28 @@ def test_a_server_that_is_open_to_all_or_to_nobody_is_refused(
     command = [sys.executable, "-m", OpcuaPeer.module, *(part.format(folder=tmp_path) for part in arguments)]
     ran = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True)
     assert ran.returncode != 0
-    assert said in ran.stderr
+    assert re.search(said, ran.stderr)
     assert "Traceback" not in ran.stderr
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"endpoint": "127.0.0.1:4840"}, "expected 'opc.tcp://host:port/path'"),
-        ({"endpoint": ENDPOINT}, "expected paths"),
-        ({"endpoint": ENDPOINT, "policy": "Basic128Rsa15"}, "policy is 'Basic128Rsa15', expected one of"),
-        ({"endpoint": ENDPOINT, "allow_insecure": True, "answer_timeout": 0.0}, "answer_timeout is 0.0"),
-        ({"endpoint": "opc.tcp://192.168.0.5:4840", "allow_insecure": True}, "expected this computer"),
-        ({"endpoint": "opc.tcp://plc.local:4840", "allow_insecure": True}, "expected this computer"),
+        ({"endpoint": "127.0.0.1:4840"}, r"\bendpoint\b.*'127\.0\.0\.1:4840'.*'opc\.tcp://host:port/path'"),
+        ({"endpoint": ENDPOINT}, r"certificate, private_key and trust\b.*docs/fieldbus\.md"),
+        (
+            {"endpoint": ENDPOINT, "policy": "Basic128Rsa15"},
+            r"\bpolicy\b.*'Basic128Rsa15'.*\bBasic256Sha256\b",
+        ),
+        (
+            {"endpoint": ENDPOINT, "allow_insecure": True, "answer_timeout": 0.0},
+            r"\banswer_timeout\b.*\b0\.0\b.*\b0\b",
+        ),
+        (
+            {"endpoint": "opc.tcp://192.168.0.5:4840", "allow_insecure": True},
+            r"'192\.168\.0\.5'.*\b127\.0\.0\.1\b",
+        ),
+        ({"endpoint": "opc.tcp://plc.local:4840", "allow_insecure": True}, r"'plc\.local'.*\b127\.0\.0\.1\b"),
     ],
 )
 def test_options_without_sense_are_refused(options: dict[str, Any], said: str) -> None:
@@ -142,7 +155,7 @@ def test_options_without_sense_are_refused(options: dict[str, Any], said: str) -
 
 
 def test_a_missing_package_is_named() -> None:
-    with pytest.raises(CellError, match=r"no_such_package is not installed.*pip install 'beltsort\[opcua\]'"):
+    with pytest.raises(CellError, match=r"no_such_package\b.*pip install 'beltsort\[opcua\]'"):
         require("no_such_package", "opcua")
 
 

@@ -95,9 +95,9 @@ def test_a_sorter_gets_its_own_numbers_and_its_time(acme: Press, tmp_path: Path)
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("acmee", "sorter.backend: is 'acmee', which is no back-end of this device; did you mean 'acme'"),
-        ("absent", "cannot be loaded: No module named 'no_such_package'; install what it needs"),
-        ("wrong", "whose entry point is .*, expected a Backend"),
+        ("acmee", r"^sorter\.backend: .*'acmee'.*'acme'"),
+        ("absent", r"^sorter\.backend: .*'absent'.*'no_such_package'"),
+        ("wrong", r"^sorter\.backend: .*'wrong'.*\bBackend\b"),
     ],
 )
 def test_what_is_no_back_end_is_refused(acme: Press, tmp_path: Path, name: str, said: str) -> None:
@@ -117,10 +117,10 @@ def test_commands_without_sense_reach_no_device(tmp_path: Path) -> None:
     for refused, said in (
         (
             lambda: cell.arm.move_to(3, "move-1"),
-            r"viewpoint is 3, expected an index from 0 to 2 \(p1, p2, p3\)",
+            r"\bviewpoint\b.*\b3\b.*\b0\b.*\b2\b.*\(p1, p2, p3\)",
         ),
-        (lambda: cell.sorter.sort(4, "sort-1"), r"label is 4, expected an index from 0 to 3 \(elongated"),
-        (lambda: cell.belt.advance_to(1, "advance-2"), "index is 1, expected at least 2.*forward only"),
+        (lambda: cell.sorter.sort(4, "sort-1"), r"\blabel\b.*\b4\b.*\b0\b.*\b3\b.*\(elongated"),
+        (lambda: cell.belt.advance_to(1, "advance-2"), r"\bindex\b.*\b1\b.*\b2\b"),
     ):
         with pytest.raises(CommandError, match=said) as error:
             refused()
@@ -154,7 +154,7 @@ def test_a_dry_run_of_devices_that_are_not_there(tmp_path: Path) -> None:
     assert cell.belt.outcome_of("advance-3") is Outcome.DONE
     assert cell.belt.outcome_of("advance-4") is Outcome.NOT_DONE
     assert cell.arm.health().ready
-    with pytest.raises(CommandError, match="was used for another command"):
+    with pytest.raises(CommandError, match=r"'sort-2'.*\bcommand\b"):
         cell.sorter.sort(1, "sort-2")
     cell.arm.stop()
 

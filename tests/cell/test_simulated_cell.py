@@ -199,13 +199,13 @@ def reuse_an_id(cell: SimulatedCell) -> None:
 @pytest.mark.parametrize(
     ("misuse", "message"),
     [
-        (sort_twice, "object 0 was sorted already"),
-        (go_back, "the belt moves forward only"),
-        (reuse_an_id, "give every command its own id"),
-        (lambda cell: cell.advance_to(3, "one"), r"index is 3, expected 0 .* to 2"),
-        (lambda cell: cell.move_to(3, "one"), "viewpoint is 3, expected an index from 0 to 2"),
-        (lambda cell: cell.sort(4, "one"), "label is 4, expected a bin from 0 to 3"),
-        (lambda cell: cell.scan(not_before=float("nan")), "not_before is nan"),
+        (sort_twice, r"\bobject 0\b.*advance_to\(1, "),
+        (go_back, r"\bindex\b.*\b0\b.*\b1\b.*\b2\b"),
+        (reuse_an_id, r"'one'.*move_to\(\d\).*move_to\(\d\)"),
+        (lambda cell: cell.advance_to(3, "one"), r"\bindex\b.*\b3\b.*\b0\b.*\b2\b"),
+        (lambda cell: cell.move_to(3, "one"), r"\bviewpoint\b.*\b3\b.*\b0\b.*\b2\b.*\(p1, p2, p3\)"),
+        (lambda cell: cell.sort(4, "one"), r"\blabel\b.*\b4\b.*\b0\b.*\b3\b.*\(elongated, "),
+        (lambda cell: cell.scan(not_before=float("nan")), r"\bnot_before\b.*\bnan\b"),
     ],
 )
 def test_misuse_is_an_error_that_says_what_to_do(
@@ -224,7 +224,8 @@ def test_a_refused_command_may_be_corrected_under_its_id() -> None:
 
 
 @pytest.mark.parametrize(
-    ("labels", "seed", "message"), [([4], 0, "true_labels.0. is 4"), ([0], -1, "seed is -1")]
+    ("labels", "seed", "message"),
+    [([4], 0, r"true_labels\[0\].*\b4\b.*\bNone\b.*\b0\b.*\b3\b"), ([0], -1, r"\bseed\b.*-1\b")],
 )
 def test_bad_runs_are_errors(labels: list[int], seed: int, message: str) -> None:
     with pytest.raises(CellError, match=message):
@@ -247,28 +248,32 @@ def test_a_mesh_file_replaces_a_shape(tmp_path: Path, perfect: CellConfig) -> No
 
 def test_configurations_are_checked_and_json() -> None:
     json.dumps(dataclasses.asdict(CellConfig(meshes={"standard": "bulb.stl"})))
-    with pytest.raises(CellError, match="no classes; choose from"):
+    with pytest.raises(CellError, match=r"\['tube'\].*\['elongated', "):
         CellConfig(meshes={"tube": "bulb.stl"})
-    with pytest.raises(CellError, match="reject_bin is 3"):
+    with pytest.raises(CellError, match=r"\breject_bin\b.*\b3\b.*\bNone\b.*\b4\b"):
         CellConfig(reject_bin=3)
-    with pytest.raises(CellError, match="class names are"):
+    with pytest.raises(CellError, match=r"\bclass\b.*'standard', 'standard'"):
         CellConfig(classes=("standard", "standard"))
 
 
 @pytest.mark.parametrize(
     ("kind", "settings", "said"),
     [
-        (PoseMix, {"upright": 0.0, "leaning": 0.0, "lying": 0.0}, r"are \(0.0, 0.0, 0.0\), expected"),
-        (PoseMix, {"leaning": -0.1}, "none negative"),
-        (PoseMix, {"lying": float("nan")}, "expected finite"),
-        (SensorNoise, {"disparity_step": 0.0}, "disparity_step is 0.0, expected above 0"),
-        (SensorNoise, {"axial_window": 0}, "axial_window is 0"),
-        (SensorNoise, {"gloss_patch": 0}, "gloss_patch is 0"),
-        (SensorNoise, {"grazing_width": float("nan")}, "grazing_width is nan"),
-        (CellConfig, {"size_spread": -0.1}, "size_spread is -0.1, expected a finite number, at least 0"),
-        (CellConfig, {"size_spread": float("nan")}, "size_spread is nan"),
-        (CellConfig, {"upstream": -1}, "upstream is -1"),
-        (CellConfig, {"layout": BeltLayout(positions=0)}, "layout.positions is 0, .* at least 1"),
+        (
+            PoseMix,
+            {"upright": 0.0, "leaning": 0.0, "lying": 0.0},
+            r"upright, leaning and lying\b.*\(0\.0, 0\.0, 0\.0\)",
+        ),
+        (PoseMix, {"leaning": -0.1}, r"upright, leaning and lying\b.*-0\.1\b"),
+        (PoseMix, {"lying": float("nan")}, r"upright, leaning and lying\b.*\bnan\b"),
+        (SensorNoise, {"disparity_step": 0.0}, r"\bdisparity_step\b.*\b0\.0\b.*\b0\b"),
+        (SensorNoise, {"axial_window": 0}, r"\baxial_window\b.*\b0\b.*\b0\b"),
+        (SensorNoise, {"gloss_patch": 0}, r"\bgloss_patch\b.*\b0\b.*\b0\b"),
+        (SensorNoise, {"grazing_width": float("nan")}, r"\bgrazing_width\b.*\bnan\b"),
+        (CellConfig, {"size_spread": -0.1}, r"\bsize_spread\b.*-0\.1\b.*\b0\b"),
+        (CellConfig, {"size_spread": float("nan")}, r"\bsize_spread\b.*\bnan\b"),
+        (CellConfig, {"upstream": -1}, r"\bupstream\b.*-1\b.*\b0\b"),
+        (CellConfig, {"layout": BeltLayout(positions=0)}, r"\blayout\.positions\b.*\b0\b.*\b1\b"),
     ],
 )
 def test_numbers_without_sense_are_refused(

@@ -46,12 +46,12 @@ def test_refining_keeps_the_outline() -> None:
 
 
 def test_an_outline_that_encloses_nothing_is_refused() -> None:
-    with pytest.raises(CellError, match="start and end on the axis"):
+    with pytest.raises(CellError, match=r"\boutline\b.*\[0\.1, 0\.1\]"):
         revolve(np.array([[0.1, 0.0], [0.1, 1.0]]))
 
 
 def test_an_unknown_shape_names_the_known_ones() -> None:
-    with pytest.raises(CellError, match="elongated, livarno, mushroom, standard"):
+    with pytest.raises(CellError, match=r"'tube'.*elongated, livarno, mushroom, standard"):
         outline("tube")
 
 
@@ -64,19 +64,19 @@ def test_a_mesh_file_stands_centred_on_the_ground(tmp_path: Path) -> None:
 
 
 def test_a_missing_mesh_file_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(CellError, match="no mesh file"):
+    with pytest.raises(CellError, match=r"absent\.stl\b.*\bPLY, STL, OBJ, OFF or glTF\b"):
         read_mesh(tmp_path / "absent.stl")
 
 
 def test_a_file_without_triangles_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "broken.ply"
     path.write_text("this is no mesh")
-    with pytest.raises(CellError, match="0 readable triangles"):
+    with pytest.raises(CellError, match=r"broken\.ply\b.*\b0\b.*triangles\b.*\bPLY, STL, OBJ, OFF or glTF\b"):
         read_mesh(path)
 
 
 def test_a_mesh_in_millimetres_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "millimetres.ply"
     open3d.io.write_triangle_mesh(path, as_open3d(bulb("standard").scaled(1000.0, 1000.0)))
-    with pytest.raises(CellError, match="scale it to metres"):
+    with pytest.raises(CellError, match=r"millimetres\.ply\b.*\d m\b.*\d m\b"):
         read_mesh(path)

@@ -116,16 +116,19 @@ def test_evaluate_draws_from_the_classes_named() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["plan", "absent.json"], r"absent\.json: the model file cannot be read"),
-        (["plan", PAPER, "--viewpoint", "q3"], r"no viewpoint 'q3'; did you mean 'p3'\? Known: p1, p2, p3"),
-        (["plan", PAPER, "--viewpoint", "3"], r"no viewpoint '3'.*or 0 to 2"),
-        (["plan", PAPER, "--observe", "p1=livrano,-"], "no class 'livrano'; did you mean 'livarno'"),
-        (["plan", PAPER, "--observe", "p1"], "--observe p1: expected VIEWPOINT=LABEL,LABEL"),
-        (["plan", PAPER, "--observe", "p1=livarno"], "1 labels for 2 positions"),
-        (["plan", PAPER, "--trials", "0"], "trials = 0; give at least 1"),
-        (["evaluate", PAPER, "--policy", "threshold"], "--policy threshold needs --threshold"),
-        (["evaluate", PAPER, "--policy", "despot", "--threshold", "0.9"], "--threshold means nothing to"),
-        (["evaluate", PAPER, "--policy", "despot", "--batches", "0"], "batches = 0; give at least 1"),
+        (["plan", "absent.json"], r"absent\.json\b.*No such file"),
+        (["plan", PAPER, "--viewpoint", "q3"], r"viewpoint 'q3'.*'p3'.*\bp1, p2, p3\b"),
+        (["plan", PAPER, "--viewpoint", "3"], r"viewpoint '3'.*\bp1, p2, p3\b.*\b0\b.*\b2\b"),
+        (["plan", PAPER, "--observe", "p1=livrano,-"], "class 'livrano'.*'livarno'"),
+        (["plan", PAPER, "--observe", "p1"], r"--observe p1\b.*\bVIEWPOINT=LABEL,LABEL\b"),
+        (["plan", PAPER, "--observe", "p1=livarno"], r"\b1 labels\b.*\b2 positions\b"),
+        (["plan", PAPER, "--trials", "0"], r"\btrials\b.*\b0\b.*\b1\b"),
+        (["evaluate", PAPER, "--policy", "threshold"], r"--policy threshold\b.*--threshold\b.*\b0\.94\b"),
+        (
+            ["evaluate", PAPER, "--policy", "despot", "--threshold", "0.9"],
+            r"--threshold\b.*--policy despot\b",
+        ),
+        (["evaluate", PAPER, "--policy", "despot", "--batches", "0"], r"\bbatches\b.*\b0\b.*\b1\b"),
     ],
 )
 def test_errors_are_one_line(arguments: list[str], message: str) -> None:
@@ -139,7 +142,7 @@ def test_a_model_file_that_is_none(tmp_path: Path) -> None:
     (tmp_path / "model.json").write_text('{"classes": ["a",\n"b"], "viewpoint": []}')
     done = command("plan", str(tmp_path / "model.json"))
     assert done.returncode == 2
-    assert 'did you mean "viewpoints"' in done.stderr
+    assert '"viewpoints"?' in done.stderr
     assert done.stderr.count("\n") == 1
 
 
@@ -213,14 +216,14 @@ def test_solve_saves_the_solution(tmp_path: Path) -> None:
     path = tmp_path / "paper.solution"
     result = command("solve", PAPER, "--seconds", "1", "--json", "-o", str(path))
     assert json.loads(result.stdout)["lower"] == beltsort.Solution.load(path).lower
-    assert "saved as" in result.stderr
+    assert str(path) in result.stderr
 
 
 def test_solve_refuses_a_path_before_it_solves(tmp_path: Path) -> None:
     for path, reason in [
-        (tmp_path, "is a directory"),
-        (tmp_path / "missing" / "file", "there is no directory"),
+        (tmp_path, rf"{re.escape(str(tmp_path))} .*\bdirectory\b"),
+        (tmp_path / "missing" / "file", r"missing/file\b.*\bdirectory\b.*/missing\b"),
     ]:
         result = command("solve", PAPER, "--seconds", "3600", "-o", str(path))
         assert result.returncode == 2
-        assert reason in result.stderr
+        assert re.search(reason, result.stderr)

@@ -56,7 +56,7 @@ def test_a_saved_solution_is_a_policy(tmp_path: Path) -> None:
     assert result["summary"][f"solution:{path}"] == expected.summary()
     refused = command("compare", PAPER, "--policies", "despot", f"solution:{path}.missing")
     assert refused.returncode == 2
-    assert "the solution cannot be read" in refused.stderr
+    assert re.search(r"paper\.solution\.missing\b.*No such file", refused.stderr)
 
 
 def test_a_changed_model_and_its_reference(tmp_path: Path) -> None:
@@ -68,39 +68,39 @@ def test_a_changed_model_and_its_reference(tmp_path: Path) -> None:
     assert result["summary"]["threshold:0.9"]["regrets"]["mean"] > 0.0
     assert result["summary"][f"solution:{path}"]["regrets"]["mean"] == 0.0
     refused = command("compare", PAPER, *policies, "--reference", path)
-    assert "of another model" in refused.stderr
+    assert re.search(r"solution\b.*\bmodel: \w", refused.stderr)
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ("rmin=5", "no key 'rmin'; did you mean 'r_min'? Known: classes, "),
-        ("r_min", "expected KEY=VALUE"),
-        ("r_min=-5", "r_min = -5"),
-        ("travel=[[0]]", "travel has 1 entries, expected 3"),
+        ("rmin=5", r"--set rmin=5\b.*'rmin'.*'r_min'.*\bclasses, "),
+        ("r_min", r"--set r_min\b.*\bKEY=VALUE\b"),
+        ("r_min=-5", r"\br_min\b.*-5\b.*\b0\b"),
+        ("travel=[[0]]", r"\btravel\b.*\b1\b.*\b3\b"),
     ],
 )
 def test_changes_that_make_no_model_are_refused(change: str, message: str) -> None:
     done = command("evaluate", PAPER, "--policy", "despot", "--set", change)
     assert done.returncode == 2
-    assert re.fullmatch(rf"beltsort: error: .*{re.escape(message)}.*\n", done.stderr)
+    assert re.fullmatch(rf"beltsort: error: .*{message}.*\n", done.stderr)
 
 
 @pytest.mark.parametrize(
     ("policies", "message"),
     [
-        (["threshold:0.9", "random"], "no policy 'random'; there are despot"),
-        (["threshold:0.9", "threshold"], "'threshold' names no policy"),
-        (["threshold:0.9", "threshold:high"], "'threshold:high' names no policy"),
-        (["threshold:0.9", "threshold:1.5"], "threshold = 1.5"),
-        (["threshold:0.9", "despot:2:3"], "'despot:2:3' names no policy"),
-        (["threshold:0.9", "solution:3"], "3 has no unit: write 3s"),
-        (["despot", "despot"], "names a policy twice"),
-        (["despot"], "1 policies: give at least two"),
+        (["threshold:0.9", "random"], r"policy 'random'.*\bdespot\b"),
+        (["threshold:0.9", "threshold"], r"'threshold'.*\bthreshold:T\b"),
+        (["threshold:0.9", "threshold:high"], r"'threshold:high'.*\bthreshold:T\b"),
+        (["threshold:0.9", "threshold:1.5"], r"\bthreshold\b.*\b1\.5\b.*\b0\b.*\b1\b"),
+        (["threshold:0.9", "despot:2:3"], r"'despot:2:3'.*\bdespot\[:TRIALS\]"),
+        (["threshold:0.9", "solution:3"], r"\b3\b.*\b3s\b"),
+        (["despot", "despot"], r"--policies despot despot\b"),
+        (["despot"], r"\b1 policies\b"),
     ],
 )
 def test_errors_are_one_line(policies: list[str], message: str) -> None:
     done = command("compare", PAPER, "--policies", *policies, "--batches", "1", "--json")
     assert done.returncode == 2
     assert done.stdout == ""
-    assert re.fullmatch(rf"beltsort: error: .*{re.escape(message)}.*\n", done.stderr)
+    assert re.fullmatch(rf"beltsort: error: .*{message}.*\n", done.stderr)

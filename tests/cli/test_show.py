@@ -61,9 +61,9 @@ def test_explain_plans_the_same_again(sorted_run: tuple[Path, SortingReport]) ->
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["show", "{folder}/none"], "does not exist"),
-        (["explain", "{folder}", "--step", "0"], "there is no step 0; the journal tells of steps 1 to"),
-        (["explain", "{folder}", "--step", "9999"], "there is no step 9999"),
+        (["show", "{folder}/none"], r"/none\b.*\bjournal\.sqlite\b"),
+        (["explain", "{folder}", "--step", "0"], r"\bstep 0\b.*\b1\b.*\d"),
+        (["explain", "{folder}", "--step", "9999"], r"\bstep 9999\b.*\b1\b.*\d"),
     ],
 )
 def test_errors_are_one_line(
@@ -71,4 +71,4 @@ def test_errors_are_one_line(
 ) -> None:
     done = command(*(argument.format(folder=sorted_run[0]) for argument in arguments))
     assert done.returncode == 2
-    assert re.fullmatch(rf"beltsort: error: .*{re.escape(message)}.*\n", done.stderr)
+    assert re.fullmatch(rf"beltsort: error: .*{message}.*\n", done.stderr)

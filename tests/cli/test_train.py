@@ -1,6 +1,7 @@
 """beltsort train and beltsort classify."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -96,20 +97,26 @@ def test_where_the_camera_stood_counts(folder: Path, database: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["train", "absent", "-o", "a.npz"], "absent is no folder"),
-        (["train", ".", "-o", "a.npz"], ". holds no file, expected some in a sub-folder"),
-        (["train", "{folder}", "-o", "no/a.npz"], "no is no folder, so no/a.npz cannot be written"),
-        (["train", "{folder}", "-o", "a.npz", "--figure", "a.jpg"], "a.jpg does not end in .png"),
-        (["train", "{folder}", "-o", "a.npz", "-k", "7"], "k is 7, expected an integer from 1 to 6"),
-        (["train", "{folder}", "-o", "a.npz", "--seed", "1"], "--seed means nothing without --meshes"),
-        (["train", "{folder}", "-o", "a.npz", "--meshes", "--viewpoint", "0,0,1"], "means nothing with"),
-        (["train", "{folder}/long", "-o", "a.npz"], "0 classes [], expected at least 2"),
-        (["train", "{folder}", "-o", "a.npz", "--meshes"], "0 classes [], expected at least 2"),
-        (["classify", "absent.npz", "{known}"], "cannot read the database absent.npz"),
-        (["classify", "{known}", "{known}"], "expected a .npz file that NearestNeighbour.save wrote"),
-        (["classify", "{database}", "absent.npy"], "cannot read absent.npy"),
-        (["classify", "{database}", "{folder}/round/notes.txt"], "has suffix '.txt', expected one of"),
-        (["classify", "{database}", "{two}"], "2 points in 2 voxels of 0.004 m, expected at least 40"),
+        (["train", "absent", "-o", "a.npz"], r"\babsent\b.*\bfolder\b"),
+        (["train", ".", "-o", "a.npz"], r" \. .*\bfile\b.*\bsub-folder\b"),
+        (["train", "{folder}", "-o", "no/a.npz"], r"\bno\b.*\bno/a\.npz\b"),
+        (["train", "{folder}", "-o", "a.npz", "--figure", "a.jpg"], r"a\.jpg\b.*\.png\b"),
+        (["train", "{folder}", "-o", "a.npz", "-k", "7"], r"\bk\b.*\b7\b.*\b1\b.*\b6\b"),
+        (["train", "{folder}", "-o", "a.npz", "--seed", "1"], r"--seed\b.*--meshes\b"),
+        (
+            ["train", "{folder}", "-o", "a.npz", "--meshes", "--viewpoint", "0,0,1"],
+            r"--viewpoint\b.*--meshes\b",
+        ),
+        (["train", "{folder}/long", "-o", "a.npz"], r"\b0 classes \[\].*\b2\b"),
+        (["train", "{folder}", "-o", "a.npz", "--meshes"], r"\b0 classes \[\].*\b2\b"),
+        (["classify", "absent.npz", "{known}"], r"absent\.npz\b.*No such file"),
+        (["classify", "{known}", "{known}"], r"/long/0\.npy\b.*\bNearestNeighbour\.save\b"),
+        (["classify", "{database}", "absent.npy"], r"absent\.npy\b.*No such file"),
+        (
+            ["classify", "{database}", "{folder}/round/notes.txt"],
+            r"'\.txt'.*'\.npy', '\.pcd', '\.ply', '\.xyz'",
+        ),
+        (["classify", "{database}", "{two}"], r"\b2 points\b.*\b2 voxels\b.*\b0\.004 m\b.*\b40\b"),
     ],
 )
 def test_errors_are_one_line(
@@ -130,7 +137,7 @@ def test_errors_are_one_line(
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.splitlines()[-1].startswith("beltsort: error: ")
-    assert said in captured.err
+    assert re.search(said, captured.err)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -140,7 +147,7 @@ def test_no_rejection_without_two_clouds_of_a_class(
     folder = cloud_folder(tmp_path / "clouds", each=1)
     path = tmp_path / "a.npz"
     assert main(["train", str(folder), "-o", str(path), "--reject", "auto"]) == 2
-    assert "no class has two different entries" in capsys.readouterr().err
+    assert re.search(r"--reject\b.*\bauto\b", capsys.readouterr().err)
     assert not path.exists()
     assert main(["train", str(folder), "-o", str(path)]) == 0
     assert "--reject" not in capsys.readouterr().out
@@ -162,4 +169,5 @@ def test_wrong_usage(options: list[str], capsys: pytest.CaptureFixture[str]) -> 
     with pytest.raises(SystemExit) as stopped:
         main(["train", "clouds", "-o", "a.npz", *options])
     assert stopped.value.code == 2
-    assert "expected" in capsys.readouterr().err or options[0] == "--distance"
+    option, value = options
+    assert re.search(rf"{option}: .*{value}", capsys.readouterr().err)

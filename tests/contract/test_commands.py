@@ -33,7 +33,7 @@ def test_an_old_command_repeated_moves_nothing(device: BeltAndSorter) -> None:
     device.advance_to(2, second)
     device.advance_to(1, first)
     device.sort(0, new_id())
-    with pytest.raises(CommandError, match="sorted already"):
+    with pytest.raises(CommandError, match=r"\bsorted\b"):
         device.sort(0, new_id())
 
 
@@ -41,7 +41,7 @@ def test_an_id_belongs_to_one_command(device: BeltAndSorter) -> None:
     advance = new_id()
     device.advance_to(1, advance)
     for other in (lambda: device.advance_to(2, advance), lambda: device.sort(0, advance)):
-        with pytest.raises(CommandError, match="give every command its own id") as error:
+        with pytest.raises(CommandError, match=r"\bid\b.*\bcommand\b") as error:
             other()
         assert error.value.outcome is Outcome.NOT_DONE
     assert device.outcome_of(advance) is Outcome.DONE
@@ -50,7 +50,7 @@ def test_an_id_belongs_to_one_command(device: BeltAndSorter) -> None:
 def test_refusals_say_that_nothing_was_done_and_leave_the_id_free(device: BeltAndSorter) -> None:
     device.advance_to(2, new_id())
     command_id = new_id()
-    with pytest.raises(CommandError, match="the belt moves forward only") as error:
+    with pytest.raises(CommandError, match=r"\bforward\b") as error:
         device.advance_to(1, command_id)
     assert error.value.outcome is device.outcome_of(command_id) is Outcome.NOT_DONE
     with pytest.raises(CommandError, match="bin") as error:

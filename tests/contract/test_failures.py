@@ -32,8 +32,8 @@ def test_a_restarted_controller_waits_until_somebody_has_looked(server: ServerPe
     health = device.health()
     assert health.boot_id == server.boot_id
     assert not health.ready
-    assert "call home()" in health.fault
-    with pytest.raises(CommandError, match=r"call home\(\)") as error:
+    assert "home()" in health.fault
+    with pytest.raises(CommandError, match=r"home\(\)") as error:
         device.sort(0, new_id())
     assert error.value.outcome is Outcome.NOT_DONE
     device.home(7)
@@ -43,10 +43,10 @@ def test_a_restarted_controller_waits_until_somebody_has_looked(server: ServerPe
 def test_a_stuck_belt_has_not_moved_and_may_try_again(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
     server.push("stick")
-    with pytest.raises(CommandError, match="the belt did not move") as error:
+    with pytest.raises(CommandError, match=r"advanc\w+ .*\b2\b.*\bmove\b.*home\(\)") as error:
         device.advance_to(2, command_id)
     assert error.value.outcome is device.outcome_of(command_id) is Outcome.NOT_DONE
-    assert "the belt did not move" in device.health().fault
+    assert re.search(r"\bmove\b.*home\(\)", device.health().fault)
     device.home(0)
     device.advance_to(2, command_id)
     assert device.outcome_of(command_id) is Outcome.DONE
@@ -55,10 +55,10 @@ def test_a_stuck_belt_has_not_moved_and_may_try_again(server: ServerPeer) -> Non
 def test_a_belt_that_goes_too_far_says_where_it_is(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
     server.push("overshoot")
-    with pytest.raises(CommandError, match=r"went too far.*at object 3") as error:
+    with pytest.raises(CommandError, match=r"\btoo far\b.*home\(\).*\bobject 3\b") as error:
         device.advance_to(2, command_id)
     assert error.value.outcome is device.outcome_of(command_id) is Outcome.UNKNOWN
-    with pytest.raises(CommandError, match="went too far") as error:
+    with pytest.raises(CommandError, match=r"\btoo far\b.*home\(\)") as error:
         device.sort(0, new_id())
     assert error.value.outcome is Outcome.NOT_DONE
     device.home(3)
@@ -87,9 +87,9 @@ def test_stop_from_another_thread_ends_a_command(server: ServerPeer) -> None:
     advance = moving(server, device, command_id)
     device.stop()
     failure = error_of(advance)
-    assert "was stopped" in str(failure)
+    assert "stopped" in str(failure)
     assert failure.outcome is device.outcome_of(command_id) is Outcome.UNKNOWN
-    with pytest.raises(CommandError, match="between two objects"):
+    with pytest.raises(CommandError, match=r"\bbetween\b"):
         device.sort(0, new_id())
     device.home(5)
     device.sort(0, new_id())
@@ -99,10 +99,10 @@ def test_a_deadline_leaves_the_command_acting(server: ServerPeer) -> None:
     device, command_id = server.device(), new_id()
     server.push("slow")
     # On a busy machine the last look before the deadline may be one that is broken off.
-    with pytest.raises(CommandError, match=r"still acts after 1 s|cannot be asked") as error:
+    with pytest.raises(CommandError, match=r"\b1 s\b|cannot be asked") as error:
         device.advance_to(2, command_id, timeout=1.0)
     assert error.value.outcome is Outcome.UNKNOWN
-    with pytest.raises(CommandError, match="another command still acts") as error:
+    with pytest.raises(CommandError, match=r"\bcommand\b.*stop\(\)") as error:
         device.advance_to(2, new_id())
     assert error.value.outcome is Outcome.NOT_DONE
     device.advance_to(2, command_id)
@@ -111,11 +111,11 @@ def test_a_deadline_leaves_the_command_acting(server: ServerPeer) -> None:
 
 def test_nobody_there(server: ServerPeer) -> None:
     device = server.unreachable()
-    with pytest.raises(CommandError, match="cannot be asked") as error:
+    with pytest.raises(CommandError, match=r"(Error|Timeout|Lost)\b.*\baddress\b.*\bcertificates\b") as error:
         device.sort(0, new_id(), timeout=PATIENCE)
     assert error.value.outcome is Outcome.NOT_DONE
     for ask in (device.health, device.stop, lambda: device.outcome_of("any")):
-        with pytest.raises(CommandError, match="cannot be asked"):
+        with pytest.raises(CommandError, match=r"(Error|Timeout|Lost)\b.*\baddress\b.*\bcertificates\b"):
             ask()
 
 

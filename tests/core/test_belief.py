@@ -98,14 +98,14 @@ def test_impossible_label_leaves_the_belief_unchanged(paper: SortingModel) -> No
     before = belief.probabilities
     with pytest.raises(ImpossibleObservationError) as raised:
         belief.observe(0, [2, 1])
-    assert re.search("position 0.*viewpoint p1.*label mushroom.*Drop the label", str(raised.value))
+    assert re.search("position 0.*p1.*mushroom", str(raised.value))
     assert np.array_equal(belief.probabilities, before)
 
 
 def test_an_impossible_label_behind_a_possible_one_changes_nothing(paper: SortingModel) -> None:
     belief = Belief(paper, np.array([UNKNOWN, CERTAIN]))
     before = belief.probabilities
-    with pytest.raises(ImpossibleObservationError, match="position 1, viewpoint p3: label standard"):
+    with pytest.raises(ImpossibleObservationError, match=r"position 1.*p3.*standard"):
         belief.observe(2, [0, 3])
     assert np.array_equal(belief.probabilities, before)
 

@@ -87,7 +87,7 @@ def test_biased_metrics_are_left_out_or_refused(paper: SortingModel) -> None:
     comparison = compare(paper, policies(paper), **drawn)
     assert "expected_discounted_returns" not in comparison.metrics
     assert "discounted_returns" in comparison.metrics
-    with pytest.raises(ArgumentError, match="no metric 'expected_discounted_returns' here; there are steps"):
+    with pytest.raises(ArgumentError, match=r"'expected_discounted_returns'.*steps"):
         compare(paper, policies(paper), metrics=["expected_discounted_returns"], **drawn)
 
 
@@ -131,10 +131,10 @@ def test_any_object_that_acts_is_a_policy() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"policies": {}}, "0 policies: give at least two"),
-        ({"baseline": "absent"}, "no policy 'absent' here; there are careful, hasty, curious"),
-        ({"metrics": ["speed"]}, "no metric 'speed' here; there are steps, correct"),
-        ({"batches": 0}, "batches = 0"),
+        ({"policies": {}}, "0 policies"),
+        ({"baseline": "absent"}, r"policy 'absent'.*careful, hasty, curious"),
+        ({"metrics": ["speed"]}, r"metric 'speed'.*steps, correct"),
+        ({"batches": 0}, r"\bbatches\b.*\b0\b"),
     ],
 )
 def test_bad_arguments(paper: SortingModel, arguments: dict[str, Any], message: str) -> None:
@@ -143,7 +143,7 @@ def test_bad_arguments(paper: SortingModel, arguments: dict[str, Any], message: 
 
 
 def test_unknown_names_are_refused(compared: Comparison) -> None:
-    with pytest.raises(ArgumentError, match="no policy 'careless'"):
+    with pytest.raises(ArgumentError, match=r"policy 'careless'.*hasty"):
         compared.difference("careless", "steps")
-    with pytest.raises(ArgumentError, match="no metric 'speed'"):
+    with pytest.raises(ArgumentError, match=r"metric 'speed'.*steps, correct"):
         compared.difference("hasty", "speed")

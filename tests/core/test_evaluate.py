@@ -120,7 +120,7 @@ def test_truth_draws_what_the_model_believes() -> None:
 def test_biased_expectations_are_refused(biased: dict[str, Any]) -> None:
     model = random_model(0)
     result = evaluate(model, Threshold(model, 0.7), batches=2, **biased)
-    with pytest.raises(ArgumentError, match=r"biased.*Use discounted_returns"):
+    with pytest.raises(ArgumentError, match=r"expected_discounted_returns.*biased.*\bdiscounted_returns"):
         _ = result.expected_discounted_returns
     assert "expected_discounted_returns" not in result.summary()
 

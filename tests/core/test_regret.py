@@ -60,11 +60,11 @@ def test_without_a_reference_there_is_no_regret(solution: Solution) -> None:
 
 
 def test_a_reference_that_cannot_judge_is_refused(solution: Solution, paper: SortingModel) -> None:
-    with pytest.raises(ArgumentError, match="solution is of another model: p_obs"):
+    with pytest.raises(ArgumentError, match=r"solution.*model.*p_obs"):
         evaluate(paper, Threshold(paper, 0.9), batches=2, reference=solution)
     cheap = solution.model.replace(r_min=5)
-    with pytest.raises(ArgumentError, match="r_min: 50 in the solution, 5 in the model"):
+    with pytest.raises(ArgumentError, match=r"r_min.*\b50\b.*\b5\b"):
         evaluate(cheap, Threshold(cheap, 0.9), batches=2, reference=solution)
     wide = random_model(0, h=3, k=1, n=2)
-    with pytest.raises(ArgumentError, match="more than two positions"):
+    with pytest.raises(ArgumentError, match=r"solution.*two positions"):
         evaluate(wide, Threshold(wide, 0.9), batches=2, reference=solve(wide, seconds=0.2))

@@ -71,13 +71,13 @@ def test_what_progress_raises_ends_the_solver() -> None:
 
 @pytest.mark.parametrize("seconds", [0, -1, float("nan"), float("inf")])
 def test_a_time_must_be_above_zero(seconds: float) -> None:
-    with pytest.raises(ArgumentError, match="finite time above 0"):
+    with pytest.raises(ArgumentError, match=rf"(?i)seconds.*{seconds}.*\b0\b"):
         solve(PAPER, seconds=seconds)
 
 
 def test_a_belief_of_another_model_is_refused() -> None:
     solution = solve(PAPER.with_positions(1), seconds=0.5)
-    with pytest.raises(ArgumentError, match="another model"):
+    with pytest.raises(ArgumentError, match=r"belief.*Belief\(policy\.model\)"):
         solution.bounds(Belief(PAPER))
 
 
@@ -100,13 +100,11 @@ def test_a_solution_of_another_model_is_refused(tmp_path: Path) -> None:
     model = random_model(1, h=1, r_min=50)
     solve(model, seconds=0.1).save(path)
     other = SortingModel(model.classes, model.viewpoints, model.p_obs, r_min=5)
-    with pytest.raises(ArgumentError, match="r_min: 50 in the solution, 5 in the model"):
+    with pytest.raises(ArgumentError, match=r"r_min.*\b50\b.*\b5\b"):
         Solution.load(path, other)
     p_obs = np.array(model.p_obs)
     p_obs[0, 1, 2] = [0.2, 0.3, 0.5]
-    with pytest.raises(
-        ArgumentError, match=r"p_obs\[0\]\[1\]\[2\]\[0\]: .* in the solution, 0.2 in the model"
-    ):
+    with pytest.raises(ArgumentError, match=r"p_obs\[0\]\[1\]\[2\]\[0\].*0\.2\b"):
         Solution.load(path, SortingModel(model.classes, model.viewpoints, p_obs))
 
 
@@ -115,12 +113,12 @@ def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
     solve(random_model(1, h=1), seconds=0.1).save(path)
     content = path.read_bytes()
     path.write_bytes(content[:-100])
-    with pytest.raises(ArgumentError, match=r"damaged\.solution: the file is damaged"):
+    with pytest.raises(ArgumentError, match=r"damaged\.solution.*checksum"):
         Solution.load(path)
     path.write_bytes(content.replace(b"solution 1", b"solution 7", 1))
-    with pytest.raises(ArgumentError, match="format version 7"):
+    with pytest.raises(ArgumentError, match=r"damaged\.solution.*version 7.*\b1\b"):
         Solution.load(path)
-    with pytest.raises(ArgumentError, match="cannot be read"):
+    with pytest.raises(ArgumentError, match="Is a directory"):
         Solution.load(tmp_path)
 
 
@@ -139,5 +137,5 @@ def test_a_planner_that_knows_a_solution_plans_the_same_with_a_tighter_certifica
     assert told.certified_upper is not None
     assert told.certified_upper < own
     assert told.certified_upper <= solution.bounds(belief, 2)[1]
-    with pytest.raises(ArgumentError, match="r_min: 50 in the solution, 5 in the model"):
+    with pytest.raises(ArgumentError, match=r"r_min.*\b50\b.*\b5\b"):
         Despot(PAPER.replace(r_min=5), solution=solution)

@@ -103,7 +103,7 @@ def test_estimates_by_hand() -> None:
     assert unpaired([1.0, 3.0], [1.0, 1.0, 1.0]) == Estimate(1.0, 1.0, 2)
     assert np.isnan(mean([4]).standard_error)
     assert "p unknown" in in_words(mean([4]))
-    with pytest.raises(ArgumentError, match="2 and 3 batches cannot be paired"):
+    with pytest.raises(ArgumentError, match=r"\b2 and 3 batches\b"):
         difference([1, 2], [1, 2, 3])
 
 
@@ -134,12 +134,12 @@ def test_instances() -> None:
 def test_seeds_of_streams_and_parts_differ() -> None:
     seeds = {seed_of(0, stream, *part) for stream in Stream for part in ((), (0,), (1,))}
     assert len(seeds) == 3 * len(Stream)
-    with pytest.raises(ArgumentError, match="seed is -1"):
+    with pytest.raises(ArgumentError, match=r"\bseed\b.*-1\b"):
         seed_of(-1, Stream.LABELS)
 
 
 def test_a_design_without_the_main_point_is_refused() -> None:
-    with pytest.raises(ArgumentError, match="it must contain 50"):
+    with pytest.raises(ArgumentError, match=r"\b50\b"):
         replace(QUICK, r_min=(5.0,))
 
 

@@ -108,7 +108,9 @@ def test_a_command_that_fails_is_done_once_all_the_same(tmp_path: Path, name: st
 
 def test_a_command_that_always_fails_holds_the_run(tmp_path: Path) -> None:
     cell = FailingCell(PAPER, mishaps={"advance": [refuse] * 3})
-    with pytest.raises(HeldError, match=r"advance 1.*failed 3 times.*--settle") as held:
+    with pytest.raises(
+        HeldError, match=r"advance 1\b.*\b3 times\b.*--settle done\b.*--settle not-done\b"
+    ) as held:
         sort_two(tmp_path, cell)
     assert held.value.command.name == "advance"
     states = [e.data["state"] for e in read_journal(tmp_path / "journal.sqlite") if e.kind == "state"]
@@ -132,7 +134,7 @@ def test_a_sort_that_a_restarted_device_forgot_is_left_to_the_operator(
     cell = FailingCell(PAPER, mishaps={"sort": [restart_after_acting]})
     report, _ = sort_two(tmp_path, cell, operator)
     assert len(asked) == 1
-    assert asked[0].startswith("sort 1: the device cannot tell")
+    assert asked[0].startswith("sort 1: ")
     sorts = [target for what, target in cell.acts if what == "sort"]
     assert len(sorts) == (2 if answer is Outcome.DONE else 3)
     assert [d.object for d in report.decisions] == [0, 1]
@@ -153,6 +155,6 @@ def test_a_device_with_a_fault_gets_no_command(tmp_path: Path) -> None:
             return Health(ready=False, boot_id="1", fault="door open", emergency_stop=bool(self.acts))
 
     cell = Faulty(PAPER)
-    with pytest.raises(CommandError, match="not ready: door open"):
+    with pytest.raises(CommandError, match=r"\bmove\b.*\bdoor open\b"):
         sort_two(tmp_path, cell)
     assert cell.acts == []

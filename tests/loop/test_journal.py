@@ -50,12 +50,12 @@ def test_a_killed_process_loses_nothing_that_was_appended(tmp_path: Path) -> Non
 
 def test_a_run_never_overwrites_another(tmp_path: Path) -> None:
     Journal(tmp_path / "j").close()
-    with pytest.raises(JournalError, match="exists already"):
+    with pytest.raises(JournalError, match=r"/j exists\b"):
         Journal(tmp_path / "j")
 
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
-    with pytest.raises(JournalError, match="missing"):
+    with pytest.raises(JournalError, match=r"/missing/j .*unable to open"):
         Journal(tmp_path / "missing" / "j")
 
 
@@ -64,20 +64,20 @@ def test_a_full_disk_is_told_and_keeps_what_was_written(tmp_path: Path, account:
     journal = Journal(tmp_path / "j")
     journal.append("start")
     journal._database.execute("PRAGMA max_page_count=1")
-    with pytest.raises(JournalError, match="full"):
+    with pytest.raises(JournalError, match=r"/j .*\bdisk is full\b"):
         journal.append("scan", labels=["x" * 100_000])
     journal.close()
     assert [entry.kind for entry in read_journal(tmp_path / "j")] == ["start"]
 
 
 def test_what_is_no_journal_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(JournalError, match="does not exist"):
+    with pytest.raises(JournalError, match=r"/none .*\bjournal\.sqlite\b"):
         read_journal(tmp_path / "none")
     (tmp_path / "text").write_text("no database, but a long enough text to be looked at " * 20)
-    with pytest.raises(JournalError, match="cannot be read"):
+    with pytest.raises(JournalError, match=r"/text .*not a database"):
         read_journal(tmp_path / "text")
     sqlite3.connect(tmp_path / "other").execute("CREATE TABLE t (x)").connection.close()
-    with pytest.raises(JournalError, match="version"):
+    with pytest.raises(JournalError, match=r"/other .*\bversion\b.*\b2\b.*\b0\b"):
         read_journal(tmp_path / "other")
 
 
@@ -133,7 +133,7 @@ def test_a_journal_goes_on_where_it_ended(tmp_path: Path) -> None:
     with Journal(path, resume=True) as journal:
         journal.append("resume")
     assert [(entry.number, entry.kind) for entry in read_journal(path)] == [(1, "start"), (2, "resume")]
-    with pytest.raises(JournalError, match="does not exist"):
+    with pytest.raises(JournalError, match=r"/none .*\bjournal\.sqlite\b"):
         Journal(tmp_path / "none", resume=True)
 
 

@@ -70,7 +70,7 @@ def test_a_finished_run_has_nothing_left_to_do(tmp_path: Path) -> None:
     acts = len(read_journal(tmp_path / "journal.sqlite"))
     assert run(tmp_path, "never", resume=True) == report
     assert len(read_journal(tmp_path / "journal.sqlite")) == acts + 4, "resume, two states and an end"
-    with pytest.raises(JournalError, match="exists already"):
+    with pytest.raises(JournalError, match=r"\bjournal\.sqlite exists\b"):
         Journal(tmp_path / "journal.sqlite")
 
 

@@ -1,4 +1,5 @@
 import itertools
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -156,7 +157,7 @@ def test_illegal_actions_are_refused_before_anything_moves(tmp_path: Path, actio
             return action
 
     cell = ScriptedCell(changed(travel=[[0, 1], [0, 1, 2], [1, 2]]))
-    with pytest.raises(beltsort.PolicyError, match="the policy returned"):
+    with pytest.raises(beltsort.PolicyError, match=rf"policy\b.* {re.escape(repr(action))}"):
         run(tmp_path, cell, [], Stubborn(), objects=1)
     assert cell.acts == [("move", 0)], "only the start"
 
@@ -179,7 +180,7 @@ def test_impossible_labels_are_dropped_and_end_the_looking(tmp_path: Path) -> No
 
 def test_unusable_scans_are_repeated_then_reported(tmp_path: Path) -> None:
     scans: list[Sequence[Glimpse] | str] = [UNUSABLE, [1, None], UNUSABLE, UNUSABLE, UNUSABLE]
-    with pytest.raises(CellError, match="3 scans in a row are unusable"):
+    with pytest.raises(CellError, match=r"\b3 scans\b.*\bunusable\b"):
         run(tmp_path, ScriptedCell(PAPER), scans, LookOnceEach(), objects=2)
     entries = read_journal(tmp_path / "journal.sqlite")
     assert sum(entry.kind == "bad_scan" for entry in entries) == 4
@@ -204,14 +205,17 @@ def test_interrupt_leaves_a_complete_journal(tmp_path: Path, call: int) -> None:
 
 def test_cell_and_model_must_agree(tmp_path: Path) -> None:
     cell = ScriptedCell(PAPER.with_positions(1))
-    with Journal(tmp_path / "j") as journal, pytest.raises(CellError, match="positions are 1"):
+    with Journal(tmp_path / "j") as journal, pytest.raises(CellError, match=r"\bpositions\b.*\b1\b.*\b2\b"):
         sort_objects(cell, scripted([]), AlwaysLook(), PAPER, journal, objects=1)
 
 
 def test_a_class_for_empty_cups_without_a_bin_must_be_the_last(tmp_path: Path) -> None:
     names = ["none", "nut", "bolt"]
     model = beltsort.SortingModel(names, ["v", "w"], with_empty().p_obs, empty="none")
-    with Journal(tmp_path / "j") as journal, pytest.raises(CellError, match=r"classes are \['nut', 'bolt'\]"):
+    with (
+        Journal(tmp_path / "j") as journal,
+        pytest.raises(CellError, match=r"\bclasses\b.*\['nut', 'bolt'\]"),
+    ):
         sort_objects(ScriptedCell(model), scripted([]), AlwaysLook(), model, journal, objects=1)
 
 

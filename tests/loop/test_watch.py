@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -72,10 +73,10 @@ def test_an_alarm_is_journalled_after_its_scan_and_told(tmp_path: Path) -> None:
     assert [entry.data for entry in drifts(entries)] == [alarm.to_dict() for alarm in watch.alarms]
     assert entries[entries.index(drifts(entries)[0]) - 1].kind == "scan"
     assert entries[-1].data == {"reason": "done"}
-    told = [line for line in lines(entries) if "no longer come as the tables say" in line]
+    told = [line for line in lines(entries) if re.search(r"\blabels\b.*\btables\b", line)]
     assert len(told) == len(watch.alarms) > 0
-    assert any("labels at position 1 from above no longer" in line for line in told)
-    assert any("warning: labels no longer" in line for line in told)
+    assert any("position 1 from above" in line for line in told)
+    assert any("warning: labels" in line for line in told)
 
 
 def test_labels_as_the_tables_say_raise_no_alarm(tmp_path: Path) -> None:
@@ -217,7 +218,7 @@ def test_a_snapshot_keeps_the_watch(tmp_path: Path, whole: tuple[SortingReport, 
 
 def test_an_alarm_holds_the_run_if_asked_to(tmp_path: Path, whole: tuple[SortingReport, Path]) -> None:
     path, holding = tmp_path / "journal.sqlite", Drift(WATCHED.false_alarm, hold=True)
-    with pytest.raises(CellError, match=r"\d drift alarms, expected none while drift.hold is on"):
+    with pytest.raises(CellError, match=r"\d drift alarms\b.*\bdrift\.hold\b"):
         drifting_run(path, holding)
     states = [entry.data["state"] for entry in read_journal(path) if entry.kind == "state"]
     assert states[-1] == "Held"

@@ -53,15 +53,15 @@ def test_one_class_has_no_runner_up() -> None:
         (np.empty((0, 308)), [], "n > 0"),
         (np.ones((2, 307)), [0, 1], "307"),
         (np.ones((2, 308)), [0], r"\(1,\)"),
-        (np.full((1, 308), np.nan), [0], "not finite"),
-        (-np.ones((1, 308)), [0], "negative"),
-        (np.ones((1, 308)), [3], "0 to 2"),
-        (np.ones((1, 308)), [-1], "0 to 2"),
-        (np.ones((1, 308)), ["a"], "class indices"),
-        (np.ones((1, 308)), [0.5], "class indices"),
-        ("x", [0], "descriptors: .* expected numbers"),
-        (np.ones((2, 308)), [[0], [0, 1]], "labels: .* expected numbers"),
-        (np.ones((1, 308)), 0, "one label for each descriptor"),
+        (np.full((1, 308), np.nan), [0], r"descriptors .*\bfinite\b"),
+        (-np.ones((1, 308)), [0], r"descriptors .*\bnegative\b"),
+        (np.ones((1, 308)), [3], r"labels .*\b3\b.*\b0\b.*\b2\b"),
+        (np.ones((1, 308)), [-1], r"labels .*-1\b.*\b0\b.*\b2\b"),
+        (np.ones((1, 308)), ["a"], r"labels .*<U1\b"),
+        (np.ones((1, 308)), [0.5], r"labels .*\bfloat64\b"),
+        ("x", [0], r"descriptors\b.*'x'.*\bnumbers\b"),
+        (np.ones((2, 308)), [[0], [0, 1]], r"labels\b.*inhomogeneous.*\bnumbers\b"),
+        (np.ones((1, 308)), 0, r"labels\b.*\(1, 308\).* \(\).*\(n, 308\)"),
     ],
 )
 def test_what_is_no_database_is_refused(rows: Any, labels: Any, said: str) -> None:
@@ -84,11 +84,11 @@ def test_a_list_is_matched_like_an_array() -> None:
 @pytest.mark.parametrize(
     ("descriptor", "said"),
     [
-        (np.ones(307), r"shape \(307,\), expected \(308,\)"),
-        (np.float64(1.0), r"shape \(\)"),
-        (np.full(308, np.nan), "holds nan in bin 0"),
-        (np.where(np.arange(308) == 7, -0.5, 1.0), "holds -0.5 in bin 7"),
-        (["x"] * 308, "descriptor: .* expected numbers"),
+        (np.ones(307), r"descriptor .*\(307,\).*\(308,\)"),
+        (np.float64(1.0), r"descriptor .*\(\).*\(308,\)"),
+        (np.full(308, np.nan), r"descriptor .*\bnan\b.*\bbin 0\b"),
+        (np.where(np.arange(308) == 7, -0.5, 1.0), r"descriptor .*-0\.5\b.*\bbin 7\b"),
+        (["x"] * 308, r"descriptor\b.*'x'.*\bnumbers\b"),
     ],
 )
 def test_what_is_no_descriptor_is_refused(descriptor: Any, said: str) -> None:
@@ -142,16 +142,16 @@ def test_a_cloud_like_nothing_known_gets_no_label() -> None:
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        ({"distance": "cosine"}, "distance is 'cosine', expected one of .*chi2"),
-        ({"distance": ["l1"]}, "distance is .*'l1'.*expected one of"),
-        ({"k": 0}, "k is 0, expected an integer from 1 to 12"),
-        ({"k": 13}, "k is 13, expected an integer from 1 to 12"),
-        ({"k": 1.0}, "k is 1.0, expected an integer"),
-        ({"k": True}, "k is True, expected an integer"),
-        ({"reject": 0.0}, "reject is 0.0, expected a finite distance above 0"),
-        ({"reject": np.nan}, "reject is nan"),
-        ({"reject": np.inf}, "reject is inf"),
-        ({"classes": ("a", "b", "b")}, "none twice"),
+        ({"distance": "cosine"}, r"\bdistance\b.*'cosine'.*'chi2', 'l1', 'l2'"),
+        ({"distance": ["l1"]}, r"\bdistance\b.*\['l1'\].*'chi2', 'l1', 'l2'"),
+        ({"k": 0}, r"\bk\b.*\b0\b.*\b1\b.*\b12\b"),
+        ({"k": 13}, r"\bk\b.*\b13\b.*\b1\b.*\b12\b"),
+        ({"k": 1.0}, r"\bk\b.*\b1\.0\b.*\b12\b"),
+        ({"k": True}, r"\bk\b.*\bTrue\b.*\b12\b"),
+        ({"reject": 0.0}, r"\breject\b.*\b0\.0\b.*\bNone\b"),
+        ({"reject": np.nan}, r"\breject\b.*\bnan\b.*\bNone\b"),
+        ({"reject": np.inf}, r"\breject\b.*\binf\b.*\bNone\b"),
+        ({"classes": ("a", "b", "b")}, r"\bclasses\b.*\['a', 'b', 'b'\]"),
     ],
 )
 def test_settings_without_sense_are_refused(settings: dict[str, Any], said: str) -> None:

@@ -70,28 +70,28 @@ def test_a_flipped_byte_in_the_descriptors_is_a_database_error(tmp_path: Path) -
 
 @pytest.mark.parametrize("name", ["missing.npz", "."])
 def test_no_file_is_a_database_error(tmp_path: Path, name: str) -> None:
-    with pytest.raises(DatabaseError, match="cannot read"):
+    with pytest.raises(DatabaseError, match=r"/missing\.npz\b.*No such file|Is a directory"):
         NearestNeighbour.load(tmp_path / name)
-    with pytest.raises(DatabaseError, match="cannot write"):
+    with pytest.raises(DatabaseError, match=r"/no/folder.*No such file"):
         database().save(tmp_path / "no" / "folder" / name)
 
 
 @pytest.mark.parametrize(
     ("field", "value", "said"),
     [
-        ("version", 3, r"its version is 3, expected one of \(1, 2\)"),
-        ("version", ..., "version"),
-        ("classes", ["a"], "0 to 0 for the classes"),
-        ("classes", ["a", "b", "b"], "none twice"),
-        ("classes", ["a", 1, "b"], "expected names"),
-        ("classes", None, "not iterable"),
-        ("config", {"voxel": 1.0, "unknown": 2}, "unknown"),
-        ("config", {"voxel": -1.0}, "voxel is -1.0"),
-        ("config", None, "mapping"),
-        ("distance", "cosine", "distance is 'cosine'"),
-        ("k", 1000, "k is 1000"),
-        ("reject", -1.0, "reject is -1.0"),
-        ("reject", "far", "not supported"),
+        ("version", 3, r"\bversion\b.*\b3\b.*\(1, 2\)"),
+        ("version", ..., "'version'"),
+        ("classes", ["a"], r"labels\b.*\b2\b.*\['a'\]"),
+        ("classes", ["a", "b", "b"], r"classes\b.*'a', 'b', 'b'"),
+        ("classes", ["a", 1, "b"], r"classes\b.*'a', 1, 'b'"),
+        ("classes", None, "'NoneType'"),
+        ("config", {"voxel": 1.0, "unknown": 2}, "'unknown'"),
+        ("config", {"voxel": -1.0}, r"\bvoxel\b.*-1\.0\b"),
+        ("config", None, r"PerceptionConfig\b.*\bNoneType\b"),
+        ("distance", "cosine", r"\bdistance\b.*'cosine'.*'chi2', 'l1', 'l2'"),
+        ("k", 1000, r"\bk\b.*\b1000\b.*\b12\b"),
+        ("reject", -1.0, r"\breject\b.*-1\.0\b"),
+        ("reject", "far", "'float'.*'str'"),
     ],
 )
 def test_a_header_that_does_not_fit_is_a_database_error(
@@ -100,7 +100,7 @@ def test_a_header_that_does_not_fit_is_a_database_error(
     path = tmp_path / "bulbs.npz"
     database().save(path)
     changed_header(path, **{field: value})
-    with pytest.raises(DatabaseError, match=rf"{said}.*train again"):
+    with pytest.raises(DatabaseError, match=rf"bulbs\.npz\b.*{said}"):
         NearestNeighbour.load(path)
 
 
@@ -108,7 +108,7 @@ def test_pickled_objects_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "bulbs.npz"
     database().save(path)
     np.savez(path, **{**np.load(path), "descriptors": np.array([object()])})
-    with pytest.raises(DatabaseError, match=r"descriptors holds object.*never pickled objects"):
+    with pytest.raises(DatabaseError, match=r"bulbs\.npz\b.*descriptors\b.*\bobject\b.*'f8'"):
         NearestNeighbour.load(path)
 
 
@@ -161,7 +161,7 @@ def test_a_bomb_is_not_unpacked(path: Path) -> None:
         for _ in range(MOST_ENTRIES // 1000 + 1):
             packed.write(bytes(8 * 308 * 1000))
     assert path.stat().st_size < 2**20
-    assert "expected at most" in refused_within(path, 2**20)
+    assert str(MOST_ENTRIES * 8 * 308) in refused_within(path, 2**20)
 
 
 def test_a_size_that_the_archive_lies_about_is_a_database_error(path: Path) -> None:
@@ -170,7 +170,7 @@ def test_a_size_that_the_archive_lies_about_is_a_database_error(path: Path) -> N
     entry = content.index(b"PK\x01\x02")  # of the central directory
     content[entry + 24 : entry + 28] = (1000).to_bytes(4, "little")
     path.write_bytes(content)
-    assert "cannot read" in refused_within(path, 2**20)
+    assert "'descriptors.npy'" in refused_within(path, 2**20)
 
 
 @pytest.mark.parametrize(
@@ -194,7 +194,7 @@ def test_what_is_no_array_of_descriptors_is_a_database_error(path: Path, member:
 
 def test_a_rare_packing_is_refused(path: Path) -> None:
     with_descriptors(path, b"", ZIP_BZIP2)
-    with pytest.raises(DatabaseError, match="packed by method 12"):
+    with pytest.raises(DatabaseError, match=r"descriptors\b.*\bmethod 12\b"):
         NearestNeighbour.load(path)
 
 

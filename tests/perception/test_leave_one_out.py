@@ -33,7 +33,7 @@ def test_all_others_vote_if_fewer_than_k_are_left() -> None:
 
 
 def test_one_entry_cannot_be_left_out() -> None:
-    with pytest.raises(DatabaseError, match="1 entry, expected at least 2"):
+    with pytest.raises(DatabaseError, match=r"\b1 entry\b.*\b2\b"):
         leave_one_out(NearestNeighbour.train(np.ones((1, 308)), [0], CLASSES))
 
 

@@ -72,7 +72,7 @@ def test_the_same_scan_gives_the_same_answer(scene: Scene) -> None:
 
 
 def test_another_configuration_than_the_databases_is_refused() -> None:
-    with pytest.raises(DatabaseError, match=r"voxel 0.01 \(database: 0.004\)"):
+    with pytest.raises(DatabaseError, match=r"\bvoxel\b.*\b0\.01\b.*\b0\.004\b"):
         Perception(LAYOUT, trained(), PerceptionConfig(voxel=0.01))
 
 
@@ -93,13 +93,13 @@ def test_normals_of_a_plane_are_exact() -> None:
     ("points", "camera", "said"),
     [
         (np.empty((0, 3)), CAMERA, "0 points"),
-        (np.eye(3)[:2], CAMERA, "2 points, expected at least 3"),
-        (np.full((10, 3), np.nan), CAMERA, "points hold 30 values"),
-        ([], CAMERA, r"points have shape \(0,\), expected \(n, 3\)"),
-        (np.zeros((5, 2)), CAMERA, r"points have shape \(5, 2\)"),
-        ([[0.0, 0.0, 0.0], [1.0]], CAMERA, "points: .* expected numbers"),
-        (np.eye(3), CAMERA[:2], r"viewpoint have shape \(2,\), expected \(3,\)"),
-        (np.eye(3), (0.0, 0.0, np.nan), "viewpoint hold 1 values"),
+        (np.eye(3)[:2], CAMERA, r"\b2 points\b.*\b3\b"),
+        (np.full((10, 3), np.nan), CAMERA, r"points\b.*\b30 values\b"),
+        ([], CAMERA, r"points\b.*\(0,\).*\(n, 3\)"),
+        (np.zeros((5, 2)), CAMERA, r"points\b.*\(5, 2\).*\(n, 3\)"),
+        ([[0.0, 0.0, 0.0], [1.0]], CAMERA, r"points\b.*inhomogeneous.*\bnumbers\b"),
+        (np.eye(3), CAMERA[:2], r"viewpoint\b.*\(2,\).*\(3,\)"),
+        (np.eye(3), (0.0, 0.0, np.nan), r"viewpoint\b.*\b1 values\b"),
     ],
 )
 def test_no_descriptor_without_surface_or_camera(points: Any, camera: Any, said: str) -> None:

@@ -48,7 +48,7 @@ def test_degenerate_clouds_have_a_descriptor(name: str) -> None:
 
 @pytest.mark.parametrize("n", [1, 2])
 def test_one_and_two_points_have_none(n: int) -> None:
-    with pytest.raises(CloudError, match=f"the cloud has {n} points, expected at least 3"):
+    with pytest.raises(CloudError, match=rf"\b{n} points\b.*\b3\b"):
         describe(DEGENERATE["three"][:n], CAMERA)
 
 
@@ -105,13 +105,13 @@ def test_a_pose_in_millimetres_is_told(scene: Scene) -> None:
     scan = scene.scan(scene.belt())
     pose = scan.world_from_camera.copy()
     pose[:3, 3] *= 1000.0
-    with pytest.warns(UnitWarning, match="camera's distance from the belt end is 700"):
+    with pytest.warns(UnitWarning, match=r"camera\b.*distance\b.*\b700\b.*\* 0\.001\b"):
         segment(SyntheticScan(scan.points, pose), LAYOUT)
 
 
 def test_an_object_in_another_unit_is_told(scene: Scene) -> None:
     points = scene.ellipsoid(0, ROUND)
-    with pytest.warns(UnitWarning, match=r"extent is 60, expected 0.001 to 5 metres: .*\* 0.001"):
+    with pytest.warns(UnitWarning, match=r"extent\b.*\b60\b.*\b0\.001\b.*\b5\b.*\* 0\.001\b"):
         describe(1000.0 * points, 1000.0 * CAMERA)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

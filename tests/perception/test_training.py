@@ -1,5 +1,6 @@
 """Training on folders of clouds: what is used, and what is said of the rest."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -63,16 +64,16 @@ def test_what_cannot_be_used_is_named_with_its_reason(folder: Path) -> None:
     reasons = {skipped.path.name: skipped.reason for skipped in trained.skipped}
     assert len(trained.files) == 6
     for name, said in {
-        "two.npy": "2 points in 2 voxels of 0.004 m, expected at least 40",
-        "kilometres.npy": "give coordinates in metres",
-        "millimetres.npy": "expected an object of at most 2 m",
-        "notes.txt": "suffix '.txt'",
+        "two.npy": r"\b2 points\b.*\b2 voxels\b.*\b0\.004 m\b.*\b40\b",
+        "kilometres.npy": r"\b4000 points\b.*\b4 voxels\b.*\bmetres\b",
+        "millimetres.npy": r"\b2 m\b",
+        "notes.txt": r"'\.txt'.*'\.npy'",
         "cut.pcd": "DATA",
-        "stray.npy": "lies in no sub-folder",
-        "nothing.npy": "0 voxels",
+        "stray.npy": r"\bsub-folder\b",
+        "nothing.npy": r"\b0 voxels\b.*\b40\b",
         "gone.ply": "No such file",
     }.items():
-        assert said in reasons.pop(name)
+        assert re.search(said, reasons.pop(name))
     assert reasons == {}
 
 
@@ -91,24 +92,24 @@ def test_points_that_are_no_numbers_are_dropped(folder: Path) -> None:
 
 
 def test_too_few_points_are_no_candidate(folder: Path) -> None:
-    with pytest.raises(CloudError, match="expected at least 100000 voxels"):
+    with pytest.raises(CloudError, match=r"\b4000 points\b.*\b0\.004 m\b.*\b100000 voxels\b"):
         read_candidate(folder / "long" / "0.npy", PerceptionConfig(fewest_labelled=100_000))
 
 
 def test_fewer_than_two_classes_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(DatabaseError, match="is no folder"):
+    with pytest.raises(DatabaseError, match=r"/absent\b.*\bfolder\b"):
         train_from_clouds(tmp_path / "absent")
     (tmp_path / "long").mkdir()
-    with pytest.raises(DatabaseError, match="holds no file"):
+    with pytest.raises(DatabaseError, match=rf"{tmp_path.name}\b.*\bfile\b.*\bsub-folder\b"):
         train_from_clouds(tmp_path)
     np.save(tmp_path / "long" / "0.npy", cloud("long", 0))
-    with pytest.raises(DatabaseError, match=r"1 classes \['long'\], expected at least 2: .* each class$"):
+    with pytest.raises(DatabaseError, match=r"\b1 classes\b.*\['long'\].*\b2\b.*class$"):
         train_from_clouds(tmp_path)
     (tmp_path / "a.txt").touch()
-    with pytest.raises(DatabaseError, match=r"1 skipped, the first: .*a\.txt"):
+    with pytest.raises(DatabaseError, match=r"\b1 skipped\b.*\ba\.txt\b"):
         train_from_clouds(tmp_path)
 
 
 def test_a_viewpoint_without_sense_is_refused(folder: Path) -> None:
-    with pytest.raises(DatabaseError, match=r"6 skipped.*viewpoint have shape \(2,\), expected \(3,\)"):
+    with pytest.raises(DatabaseError, match=r"\b6 skipped\b.*viewpoint\b.*\(2,\).*\(3,\)"):
         train_from_clouds(folder, viewpoint=(0.0, 1.0))

@@ -183,22 +183,22 @@ POINTS, NORMALS = bump(0, 10)
     ("points", "normals", "viewpoint", "said"),
     [
         (np.empty((0, 3)), np.empty((0, 3)), CAMERA, "0 points"),
-        (POINTS[:2], NORMALS[:2], CAMERA, "2 points, expected at least 3"),
-        (np.where(np.arange(10)[:, None] == 4, np.nan, POINTS), NORMALS, CAMERA, "points hold 3 values"),
+        (POINTS[:2], NORMALS[:2], CAMERA, r"\b2 points\b.*\b3\b"),
+        (np.where(np.arange(10)[:, None] == 4, np.nan, POINTS), NORMALS, CAMERA, r"points\b.*\b3 values\b"),
         (
             np.where(np.arange(30).reshape(10, 3) == 4, np.inf, POINTS),
             NORMALS,
             CAMERA,
-            "points hold 1 values",
+            r"points\b.*\b1 values\b",
         ),
-        (POINTS, np.full((10, 3), np.nan), CAMERA, "normals hold 30 values"),
-        (POINTS, NORMALS, (0.0, np.nan, 0.0), "viewpoint hold"),
-        (POINTS, NORMALS[:9], CAMERA, r"\(9, 3\)"),
-        (POINTS[:, :2], NORMALS[:, :2], CAMERA, r"\(10, 2\)"),
-        (POINTS, NORMALS, (0.0, 0.0), r"\(2,\)"),
-        (POINTS, NORMALS, POINTS.mean(axis=0), "viewpoint is the centroid"),
-        ("x", "y", CAMERA, "points: .* expected numbers"),
-        (POINTS, "y", CAMERA, "normals: .* expected numbers"),
+        (POINTS, np.full((10, 3), np.nan), CAMERA, r"normals\b.*\b30 values\b"),
+        (POINTS, NORMALS, (0.0, np.nan, 0.0), r"viewpoint\b.*\b1 values\b"),
+        (POINTS, NORMALS[:9], CAMERA, r"normals\b.*\(9, 3\).*\(10, 3\)"),
+        (POINTS[:, :2], NORMALS[:, :2], CAMERA, r"points\b.*\(10, 2\).*\(n, 3\)"),
+        (POINTS, NORMALS, (0.0, 0.0), r"viewpoint\b.*\(2,\).*\(3,\)"),
+        (POINTS, NORMALS, POINTS.mean(axis=0), r"viewpoint\b.*\bcentroid\b"),
+        ("x", "y", CAMERA, r"points\b.*'x'.*\bnumbers\b"),
+        (POINTS, "y", CAMERA, r"normals\b.*'y'.*\bnumbers\b"),
     ],
 )
 def test_bad_input_is_a_cloud_error(points: Any, normals: Any, viewpoint: Any, said: str) -> None:
@@ -214,7 +214,7 @@ def test_many_clouds_are_described_as_one_by_one() -> None:
     rows = vfh_batch(clouds, normals, eyes, size_component=False)
     for row, cloud, directions, eye in zip(rows, clouds, normals, eyes, strict=True):
         assert np.array_equal(row, vfh(cloud, directions, viewpoint=eye, size_component=False))
-    with pytest.raises(CloudError, match="3 clouds, 2 arrays of normals"):
+    with pytest.raises(CloudError, match=r"\b3 clouds\b.*\b2\b.*normals\b.*\b3 viewpoints\b"):
         vfh_batch(clouds, normals[:2], eyes)
     with pytest.raises(CloudError) as refused:
         vfh_batch([clouds[0], clouds[1][:2]], [normals[0], normals[1][:2]], eyes[:2])

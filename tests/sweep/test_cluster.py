@@ -72,7 +72,7 @@ def test_the_command_gives_the_rows_of_this_machine(
 
 def test_a_task_that_fails_is_named(tmp_path: Path) -> None:
     points = [{"x": x} for x in range(2, 4)]
-    with cluster(tmp_path, workers=1) as processes, pytest.raises(SweepError, match="no threes"):
+    with cluster(tmp_path, workers=1) as processes, pytest.raises(SweepError, match=r'\{"x": 3\}.*no threes'):
         run_points(tasks.failing_at_three, points, tmp_path / "store", scheduler=Cluster(processes.address))
 
 
@@ -90,7 +90,7 @@ def test_over_tls_both_sides_are_certified(tmp_path: Path, monkeypatch: pytest.M
         assert [row["square"] for row in rows] == [0, 1, 4]
         monkeypatch.setattr("beltsort.experiments.sweep.cluster.CONNECTING", 2.0)
         stranger = Cluster(processes.address, foreign)
-        with pytest.raises(SweepError, match="no scheduler answers at tls://"):
+        with pytest.raises(SweepError, match=r"tls://127\.0\.0\.1.*certificate.*`dask scheduler`"):
             run_points(tasks.square, points, tmp_path / "other", scheduler=stranger)
 
 
@@ -104,19 +104,25 @@ def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.Monke
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         nobody = Cluster(f"127.0.0.1:{free.getsockname()[1]}")
-        with pytest.raises(SweepError, match=r"no scheduler answers at tcp://127\.0\.0\.1"):
+        with pytest.raises(SweepError, match=r"scheduler\b.*tcp://127\.0\.0\.1.*`dask scheduler`"):
             run_points(tasks.square, [{"x": 1}], tmp_path, scheduler=nobody)
 
 
 @pytest.mark.parametrize(
     ("address", "reason"),
     [
-        ("tcp://192.0.2.1:8786", "192.0.2.1 is not this machine, and without TLS anyone"),
-        ("farm.example:8786", "farm.example is not this machine"),
-        ("tls://192.0.2.1:8786", "give --tls-ca, --tls-cert and --tls-key"),
-        ("tcp://127.0.0.1", "expected tcp://HOST:PORT"),
-        ("tcp://127.0.0.1:many", "expected tcp://HOST:PORT"),
-        ("ucx://127.0.0.1:8786", "expected tcp://HOST:PORT"),
+        (
+            "tcp://192.0.2.1:8786",
+            r"tcp://192\.0\.2\.1:8786\b.*tls://.*--tls-ca, --tls-cert and --tls-key",
+        ),
+        ("farm.example:8786", r"--scheduler tcp://farm\.example:8786\b.*tls://"),
+        (
+            "tls://192.0.2.1:8786",
+            r"tls://192\.0\.2\.1:8786\b.*--tls-ca, --tls-cert and --tls-key",
+        ),
+        ("tcp://127.0.0.1", r"tcp://127\.0\.0\.1\b.*tcp://HOST:PORT.*tls://HOST:PORT"),
+        ("tcp://127.0.0.1:many", r"tcp://127\.0\.0\.1:many\b.*tcp://HOST:PORT"),
+        ("ucx://127.0.0.1:8786", r"ucx://127\.0\.0\.1:8786\b.*tcp://HOST:PORT"),
     ],
 )
 def test_addresses_that_are_refused(address: str, reason: str) -> None:
@@ -130,9 +136,9 @@ def test_addresses_of_this_machine() -> None:
 
 
 def test_certificates_must_be_there_and_of_use(tmp_path: Path) -> None:
-    with pytest.raises(SweepError, match="there is no file"):
+    with pytest.raises(SweepError, match=r"\bca\.pem\b.*\bPEM\b"):
         Certificates(*(tmp_path / name for name in ("ca.pem", "cert.pem", "key.pem")))
     (tmp_path / "file").touch()
     files = Certificates(tmp_path / "file", tmp_path / "file", tmp_path / "file")
-    with pytest.raises(SweepError, match="certificates mean nothing to tcp://"):
+    with pytest.raises(SweepError, match=r"--scheduler tcp://127\.0\.0\.1:8786\b.*certificates.*tls://"):
         Cluster("tcp://127.0.0.1:8786", files)

@@ -57,7 +57,7 @@ def test_other_tasks_versions_and_points_keep_their_rows(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_failing_task_is_named_with_its_point(tmp_path: Path, workers: int) -> None:
-    with pytest.raises(SweepError, match=r'the point \{"x": 3\} failed: ValueError: no threes') as caught:
+    with pytest.raises(SweepError, match=r'\{"x": 3\}.*ValueError: no threes') as caught:
         run_points(tasks.failing_at_three, POINTS, tmp_path, workers=workers)
     assert "in failing_at_three" in "".join(caught.value.__notes__)
     with RowStore(tmp_path) as store:
@@ -66,34 +66,34 @@ def test_a_failing_task_is_named_with_its_point(tmp_path: Path, workers: int) ->
 
 
 def test_a_worker_that_dies_is_told(tmp_path: Path) -> None:
-    with pytest.raises(beltsort.BeltsortError, match="a worker process died"):
+    with pytest.raises(beltsort.BeltsortError, match=r"\bworker\b.*\b2\b.*memory.*__main__"):
         run_points(tasks.dying_at_three, POINTS, tmp_path, workers=2)
     assert run_points(tasks.dying_at_three, POINTS[:3], tmp_path, workers=2) == ROWS[:3]
 
 
 def test_results_are_plain_and_hide_no_point(tmp_path: Path) -> None:
-    with pytest.raises(SweepError, match="not JSON compliant"):
+    with pytest.raises(SweepError, match=r'\{"x": 0\}.*\bJSON\b'):
         run_points(tasks.not_finite, POINTS[:1], tmp_path)
-    with pytest.raises(SweepError, match="the result names x, which the point has"):
+    with pytest.raises(SweepError, match=r'\{"x": 0\}.*\bresult\b.*\bx\b'):
         run_points(tasks.clashing, POINTS[:1], tmp_path)
 
 
 def test_another_version_of_beltsort_makes_no_row() -> None:
-    assert "a worker has beltsort" in attempt(tasks.square, "0.0.0", POINTS[0]).failure
+    assert "0.0.0" in attempt(tasks.square, "0.0.0", POINTS[0]).failure
 
 
 def test_what_no_process_could_import_or_read_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(beltsort.ArgumentError, match="expected a function of a module"):
+    with pytest.raises(beltsort.ArgumentError, match=r"\btask\b.*<lambda>.*\bfunction\b"):
         run_points(lambda point: point, POINTS, tmp_path)
-    with pytest.raises(beltsort.ArgumentError, match="a point is no plain data"):
+    with pytest.raises(beltsort.ArgumentError, match=r"\bpoint\b.*\bJSON\b.*\bNaN\b"):
         run_points(tasks.square, [{"x": float("inf")}], tmp_path)
-    with pytest.raises(beltsort.ArgumentError, match="workers is 0"):
+    with pytest.raises(beltsort.ArgumentError, match=r"\bworkers\b.*\b0\b.*\b1\b"):
         run_points(tasks.square, POINTS, tmp_path, workers=0)
 
 
 def test_a_store_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(SweepError, match="cannot be made"):
+    with pytest.raises(SweepError, match=r"/file\b.*File exists"):
         run_points(tasks.square, POINTS, tmp_path / "file")
 
 

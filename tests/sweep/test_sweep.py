@@ -2,6 +2,7 @@
 
 import errno
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -95,9 +96,8 @@ def test_a_full_disk_is_named_and_costs_no_finished_row(tmp_path: Path) -> None:
     given = ["sweep", str(path), "--workers", "1"]
     done = subprocess.run([sys.executable, "-c", LIMITED, *given], capture_output=True, text=True)
     assert done.returncode == 2
-    assert "beltsort: error: the rows in" in done.stderr
-    assert "cannot be written" in done.stderr
-    assert "check its folder and the disk" in done.stderr
+    (error,) = (line for line in done.stderr.splitlines() if line.startswith("beltsort: error: "))
+    assert re.search(r"rows\.sqlite\b.*\bdisk\b", error)
     with RowStore(folder) as store:
         kept = store.values()
     assert 0 < len(kept) < 20
@@ -117,7 +117,7 @@ def test_a_parquet_file_that_cannot_be_written_leaves_the_old_one(
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(SweepError, match=r"rows\.parquet cannot be written.*No space left"):
+    with pytest.raises(SweepError, match=r"rows\.parquet\b.*No space left"):
         write_rows([{"a": 2}], path)
     assert list(tmp_path.iterdir()) == [path]
     assert parquet.read_table(path).to_pylist() == [{"a": 1}]
@@ -143,10 +143,13 @@ def test_scans(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        (["--tls-ca", "ca.pem"], "mean nothing without --scheduler"),
-        (["--scheduler", "tls://127.0.0.1:1", "--tls-ca", "ca.pem"], "expected all of"),
-        (["--scheduler", "127.0.0.1:1", "--workers", "2"], "--workers means nothing to a cluster"),
-        (["--scheduler", "192.0.2.1:1"], "is not this machine"),
+        (["--tls-ca", "ca.pem"], r"--tls-ca, --tls-cert, --tls-key\b.*--scheduler\b"),
+        (
+            ["--scheduler", "tls://127.0.0.1:1", "--tls-ca", "ca.pem"],
+            r"\ball\b.*--tls-cert, --tls-key\b",
+        ),
+        (["--scheduler", "127.0.0.1:1", "--workers", "2"], r"--workers\b.*\bcluster\b"),
+        (["--scheduler", "192.0.2.1:1"], r"--scheduler tcp://192\.0\.2\.1:1\b.*tls://"),
     ],
 )
 def test_options_that_do_not_go_together(
@@ -154,4 +157,4 @@ def test_options_that_do_not_go_together(
 ) -> None:
     (tmp_path / "grid.toml").write_text(TABLES)
     assert main(["sweep", str(tmp_path / "grid.toml"), *options]) == 2
-    assert reason in capsys.readouterr().err
+    assert re.search(reason, capsys.readouterr().err)

@@ -1,5 +1,6 @@
 """The watch is silent while the model is right, and speaks up when it is not."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -149,16 +150,16 @@ def test_a_repeat_that_the_model_knows_is_no_drift() -> None:
 
 @pytest.mark.parametrize("false_alarm", [0.0, 1.0, -0.1, float("nan")])
 def test_the_rate_is_a_probability(false_alarm: float) -> None:
-    with pytest.raises(ArgumentError, match="false_alarm is"):
+    with pytest.raises(ArgumentError, match=rf"false_alarm\b.*{false_alarm}\b.*\b0\.01\b"):
         DriftWatch(MODEL, false_alarm=false_alarm)
 
 
 def test_what_does_not_fit_is_refused() -> None:
     watch = DriftWatch(MODEL)
-    with pytest.raises(ArgumentError, match="another model"):
+    with pytest.raises(ArgumentError, match=r"\bbelief\b.*\bmodel\b"):
         watch.observe(Belief(MODEL.with_positions(1)), 0, [0])
     for labels in ([0], [0, 4], [0, -1]):
-        with pytest.raises(ArgumentError, match="expected 2 of them"):
+        with pytest.raises(ArgumentError, match=rf"labels\b.*{re.escape(str(labels))}.*\b2\b.*\b0\b.*\b3\b"):
             watch.observe(Belief(MODEL), 0, labels)
-    with pytest.raises(ArgumentError):
+    with pytest.raises(ArgumentError, match=r"viewpoint 3\b.*\bp1, p2, p3\b"):
         watch.observe(Belief(MODEL), 3, [0, 0])

@@ -56,13 +56,13 @@ def test_an_interrupted_recording_goes_on(recorded: Recording, config: CellConfi
 def test_another_recording_is_not_mixed_in(recorded: Recording, config: CellConfig) -> None:
     before = (recorded.folder / MANIFEST).read_bytes()
     for changed, seed in ((config, 6), (replace(config, size_spread=0.1), 5)):
-        with pytest.raises(RecordingError, match="describes other scans, expected the same source"):
+        with pytest.raises(RecordingError, match=r"cell\.json .*\bsource\b"):
             record_simulated(recorded.folder, changed, objects=2, seed=seed, workers=1)
     assert (recorded.folder / MANIFEST).read_bytes() == before
 
 
 def test_a_folder_that_cannot_be_written(config: CellConfig) -> None:
-    with pytest.raises(RecordingError, match="cannot be written"):
+    with pytest.raises(RecordingError, match=r"test_record\.py/folder .*Not a directory"):
         record_simulated(Path(__file__) / "folder", config, objects=1, workers=1)
 
 
@@ -83,22 +83,22 @@ def test_a_damaged_cloud_is_named_and_the_rest_is_kept(
     second = recording.folder / recording.scans[1].file
     log = LabelLog()
     np.save(second, np.full((4, 3), np.nan))
-    with pytest.raises(CloudError, match=rf"{second.name}: none of 4 points"):
+    with pytest.raises(CloudError, match=rf"{second.name}\b.*\b4 points\b.*\bfinite\b"):
         label_recording(recording, database, workers=1, log=log)
     assert len(log.labels()) == 1
     second.write_bytes(b"torn")
-    with pytest.raises(CloudError, match=f"cannot read .*{second.name}"):
+    with pytest.raises(CloudError, match=rf"{second.name}\b.*\.npy file\b"):
         label_recording(recording, database, workers=1, log=log)
 
 
 def test_a_cloud_under_two_names_is_refused(recording: Recording, database: NearestNeighbour) -> None:
     first, second = recording.scans
     shutil.copy(recording.folder / first.file, recording.folder / second.file)
-    with pytest.raises(RecordingError, match=f"{second.file} and {first.file} .* one scan under two names"):
+    with pytest.raises(RecordingError, match=rf"{second.file} .*{first.file} .*\bmanifest\.jsonl\b"):
         label_recording(recording, database, workers=1)
 
 
 def test_the_classifier_must_know_the_classes(recording: Recording, database: NearestNeighbour) -> None:
     turned = NearestNeighbour.train(database.descriptors, database.labels, database.classes[::-1])
-    with pytest.raises(DatabaseError, match="expected the recording's"):
+    with pytest.raises(DatabaseError, match=r"'standard', .*'elongated'\].*\['elongated', .*'standard'\]"):
         label_recording(recording, turned, workers=1)

@@ -49,45 +49,48 @@ def test_a_recording_is_read_and_written_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("second", "said"),
     [
-        (row(file="1.npy", classes=["blot", None]), "there is no class 'blot'; did you mean 'bolt'"),
-        (row(file="1.npy", viewpoint="hihg"), "there is no viewpoint 'hihg'; did you mean 'high'"),
-        (row(file="1.npy", viewpoint=0), "there is no viewpoint 0"),
-        (row(file="1.npy", viewpoint=["low"]), "there is no viewpoint"),
-        (row(), r"0.npy is listed already in line 1; delete one"),
-        (row(file=""), "file is ''"),
-        (row(file="1.npy", objects=["x"]), r"objects are \['x'\], expected 2 entries"),
-        (row(file="1.npy", classes="bolt"), "classes are bolt, expected 2 entries"),
-        (row(file="1.npy", classes=["nut", None]), "object 'x' is said to be bolt and nut"),
-        (row(file="1.npy", objects=[None, None]), "give both, or null for both"),
-        (row(file="1.npy", objects=[3, None]), "is named 3"),
-        (row(file="1.npy", classes=["nut", "nut"], objects=["z", "z"]), "one at two positions"),
-        (row(file="1.npy", world_from_camera=[[1, 2]]), "expected a rigid"),
-        (row(file="1.npy", world_from_camera=(2 * np.eye(4)).tolist()), "expected a rigid"),
-        (row(file="1.npy", world_from_camera="here"), "expected a rigid"),
-        (row(file="1.npy", pose=1), "keys are"),
-        ({"file": "1.npy"}, r"keys are \['file'\], expected"),
-        ('{"file": "1.n', "no JSON"),
-        ("7", "keys are 7"),
+        (row(file="1.npy", classes=["blot", None]), "class 'blot'.*'bolt'.*nut, bolt"),
+        (row(file="1.npy", viewpoint="hihg"), "viewpoint 'hihg'.*'high'.*low, high"),
+        (row(file="1.npy", viewpoint=0), "viewpoint 0\\b.*low, high"),
+        (row(file="1.npy", viewpoint=["low"]), r"viewpoint \['low'\].*'low'"),
+        (row(), r"\b0\.npy\b.*\bline 1\b"),
+        (row(file=""), "file .*''"),
+        (row(file="1.npy", objects=["x"]), r"objects .*\['x'\].*\b2\b"),
+        (row(file="1.npy", classes="bolt"), r"classes .*\bbolt\b.*\b2\b"),
+        (row(file="1.npy", classes=["nut", None]), r"object 'x' .*\bbolt\b.*\bnut\b"),
+        (row(file="1.npy", objects=[None, None]), r"class 1 .*\bNone\b.*\bnull\b"),
+        (row(file="1.npy", objects=[3, None]), r"class 1 .*\b3\b.*\bnull\b"),
+        (row(file="1.npy", classes=["nut", "nut"], objects=["z", "z"]), r"objects .*\['z', 'z'\]"),
+        (row(file="1.npy", world_from_camera=[[1, 2]]), r"world_from_camera .*\[\[1, 2\]\].*\(4, 4\)"),
+        (
+            row(file="1.npy", world_from_camera=(2 * np.eye(4)).tolist()),
+            r"world_from_camera .*\b2\.0, .*\(4, 4\)",
+        ),
+        (row(file="1.npy", world_from_camera="here"), r"world_from_camera .*\bhere\b.*\(4, 4\)"),
+        (row(file="1.npy", pose=1), "keys .*'pose'.*'viewpoint', 'world_from_camera'"),
+        ({"file": "1.npy"}, r"keys .*\['file'\].*'viewpoint', 'world_from_camera'"),
+        ('{"file": "1.n', "JSON.*Unterminated string"),
+        ("7", r"keys .*\b7\b.*'viewpoint', 'world_from_camera'"),
     ],
 )
 def test_a_bad_line_is_named(tmp_path: Path, second: Any, said: str) -> None:
-    with pytest.raises(RecordingError, match=rf"manifest.jsonl, line 2: .*{said}"):
+    with pytest.raises(RecordingError, match=rf"manifest\.jsonl, line 2\b.*{said}"):
         read_recording(folder_of(tmp_path, row(), second))
 
 
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"version": 2}, "its version is not 1"),
-        ({"layout": {"position": 2}}, "unexpected keyword argument 'position'"),
-        ({"layout": 3}, "expected the keys version"),
-        ({"layout": {"positions": "2"}}, "expected positive numbers"),
-        ({"layout": {"positions": 0}}, "expected positive numbers"),
-        ({"layout": {"spacing": "wide"}}, "expected positive numbers"),
-        ({"clases": []}, "the key 'clases' is unknown"),
-        ({"classes": []}, "expected one or more"),
-        ({"classes": ["nut", "nut"]}, "none twice"),
-        ({"viewpoints": 7}, "expected the keys version"),
+        ({"version": 2}, r"cell\.json\b.*\bversion\b.*\b1\b"),
+        ({"layout": {"position": 2}}, r"cell\.json\b.*'position'.*\blayout\b"),
+        ({"layout": 3}, r"cell\.json\b.*\bint\b.*\blayout\b"),
+        ({"layout": {"positions": "2"}}, r"\blayout\b.*'positions': '2'"),
+        ({"layout": {"positions": 0}}, r"\blayout\b.*'positions': 0\b"),
+        ({"layout": {"spacing": "wide"}}, r"\blayout\b.*'spacing': 'wide'"),
+        ({"clases": []}, r"key 'clases'.*\bclasses, viewpoints\b"),
+        ({"classes": []}, r"\bclasses\b.*\[\]"),
+        ({"classes": ["nut", "nut"]}, r"\bclasses\b.*\['nut', 'nut'\]"),
+        ({"viewpoints": 7}, r"cell\.json\b.*'int'.*\bviewpoints\b"),
     ],
 )
 def test_a_bad_header_is_refused(tmp_path: Path, changed: dict[str, Any], said: str) -> None:
@@ -96,14 +99,14 @@ def test_a_bad_header_is_refused(tmp_path: Path, changed: dict[str, Any], said: 
 
 
 def test_what_is_missing_is_named(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match=r"cannot read .*cell.json"):
+    with pytest.raises(RecordingError, match=r"No such file.*cell\.json"):
         read_recording(tmp_path)
     folder = folder_of(tmp_path, row(), row(file="2.npy"), row(file="3.npy"))
-    with pytest.raises(RecordingError, match=r"2 of 3 files of .* are missing, the first is 2.npy"):
+    with pytest.raises(RecordingError, match=r"\b2 of 3 files\b.*\b2\.npy\b.*\bmanifest\.jsonl\b"):
         read_recording(folder)
     (folder / MANIFEST).write_text("")
-    with pytest.raises(RecordingError, match="lists 0 scans"):
+    with pytest.raises(RecordingError, match=r"manifest\.jsonl\b.*\b0 scans\b"):
         read_recording(folder)
     (folder / MANIFEST).unlink()
-    with pytest.raises(RecordingError, match=r"cannot read .*manifest.jsonl"):
+    with pytest.raises(RecordingError, match=r"No such file.*manifest\.jsonl"):
         read_recording(folder)

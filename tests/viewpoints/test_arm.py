@@ -104,23 +104,23 @@ def test_the_base_frame_turns_with_yaw(folder: Path) -> None:
 
 def test_what_is_refused(folder: Path) -> None:
     urdf = gantry(folder)
-    with pytest.raises(ViewpointError, match=r"no frame 'link66'; it has link6, "):
+    with pytest.raises(ViewpointError, match=r"frame 'link66'.*\blink6, "):
         Arm(urdf, "link66", BASE)(view(0.0, 45.0))
     (folder / "none.urdf").write_text("<robot/>")
-    with pytest.raises(ViewpointError, match=r"none\.urdf cannot be read"):
+    with pytest.raises(ViewpointError, match=r"URDF .*\bnone\.urdf\b"):
         Arm(folder / "none.urdf", TIP, BASE)(view(0.0, 45.0))
-    with pytest.raises(ViewpointError, match=r"absent\.urdf cannot be read"):
+    with pytest.raises(ViewpointError, match=r"URDF .*\babsent\.urdf\b"):
         Arm(folder / "absent.urdf", TIP, BASE)(view(0.0, 45.0))
-    with pytest.raises(ViewpointError, match=r"has a joint without limits .*: give every joint its own"):
+    with pytest.raises(ViewpointError, match=r"gantry_floating\.urdf\b.*joint.*limits"):
         Arm(gantry(folder, "floating"), TIP, BASE)(view(0.0, 45.0))
-    with pytest.raises(ArgumentError, match=r"base is .*nan.*, expected finite"):
+    with pytest.raises(ArgumentError, match=r"\bbase\b.*\bnan\b.*\bx, y, z\b"):
         Arm(urdf, TIP, (0.0, 0.0, 0.0, np.nan))
-    with pytest.raises(ArgumentError, match=r"tolerance is 0.0, expected a number above 0"):
+    with pytest.raises(ArgumentError, match=r"\btolerance\b.*\b0\.0\b.*\b1e-4\b"):
         Arm(urdf, TIP, BASE, tolerance=0.0)
-    with pytest.raises(ArgumentError, match="0 restarts of 60 iterations, expected at least 1"):
+    with pytest.raises(ArgumentError, match=r"\b0 restarts\b.*\b60 iterations\b.*\b1\b"):
         Arm(urdf, TIP, BASE, restarts=0)
 
 
 def test_unknown_robots_name_the_known_ones() -> None:
-    with pytest.raises(ViewpointError, match="no robot 'puma'; choose from baxter, panda, ur5"):
+    with pytest.raises(ViewpointError, match=r"robot 'puma'.*baxter, panda, ur5\b.*URDF"):
         robot_urdf("puma")

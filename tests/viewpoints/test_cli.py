@@ -77,20 +77,23 @@ def test_the_reach_of_a_robot_is_remembered(path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["v.txt"], "v.txt does not end in .json"),
-        (["v.json", "--count", "0"], "count is 0"),
-        (["v.json", "--points", "1;2"], "--points 1;2: expected indices of points, for example 3,17"),
-        (["v.json", "--points", "2"], "point 2 is chosen, expected a reachable one"),
-        (["v.json", "--lowest", "90"], "none of the 100 points is reachable"),
-        (["v.json", "--tip", "tool0"], "--tip means nothing without --robot or --urdf"),
-        (["v.json", "--base", "0,0,0,0"], "--base means nothing without --robot or --urdf"),
+        (["v.txt"], r"v\.txt\b.*\.json\b"),
+        (["v.json", "--count", "0"], r"\bcount\b.*\b0\b"),
+        (["v.json", "--points", "1;2"], r"--points 1;2\b.*\b3,17\b"),
+        (["v.json", "--points", "2"], r"point 2\b.*\b26, 27, "),
+        (["v.json", "--lowest", "90"], r"\b100 points\b.*\b90\.0 degrees"),
+        (["v.json", "--tip", "tool0"], r"--tip\b.*--robot\b.*--urdf\b"),
+        (["v.json", "--base", "0,0,0,0"], r"--base\b.*--robot\b.*--urdf\b"),
         (
             ["v.json", "--robot", "ur5"],
-            "a robot needs --base, where it stands, for example --base=-0.4,0,0,0",
+            r"robot\b.*--base\b.*--base=-0\.4,0,0,0",
         ),
-        (["v.json", "--robot", "ur5", "--base", "1,2,3"], "--base 1,2,3: expected X,Y,Z,YAW"),
-        (["v.json", "--urdf", "arm.urdf", "--base", "0,0,0,0"], "--urdf needs --tip"),
-        (["absent/v.json"], "No such file or directory"),
+        (
+            ["v.json", "--robot", "ur5", "--base", "1,2,3"],
+            r"--base 1,2,3\b.*\bX,Y,Z,YAW\b.*--base=-0\.4,0,0,0",
+        ),
+        (["v.json", "--urdf", "arm.urdf", "--base", "0,0,0,0"], r"--urdf\b.*--tip\b"),
+        (["absent/v.json"], r"No such file.*absent/v\.json"),
     ],
 )
 def test_errors_are_one_line(
@@ -105,7 +108,7 @@ def test_errors_are_one_line(
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.startswith("beltsort: error: ")
-    assert message in captured.err
+    assert re.search(message, captured.err)
     assert captured.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 

@@ -66,37 +66,43 @@ def put(*keys: str | int, value: Any) -> Callable[[Data], object]:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (put("motion_costs", value=[]), "unknown key 'motion_costs'; did you mean 'motion_cost'"),
-        (put("graph", "edge", value=[]), "graph has the unknown key 'edge'; did you mean 'edges'"),
-        (put("sampling", "sead", value=1), "sampling has the unknown key 'sead'; did you mean 'seed'"),
-        (put("viewpoints", 1, "pose", value=1), r"viewpoints\[1\] has the unknown key 'pose'"),
-        (lambda data: data.pop("travel"), "the file lacks the key 'travel'"),
-        (lambda data: data["graph"].pop("edges"), "graph lacks the key 'edges'"),
-        (put("graph", value=3), "graph is 3, expected an object with the keys points, reachable, edges"),
-        (put("viewpoints", value="p1"), "viewpoints is 'p1', expected a list"),
-        (put("viewpoints", 0, "name", value=1), r"viewpoints\[0\].name is 1, expected a value of type str"),
-        (put("viewpoints", 0, "point", value=1.5), r"viewpoints\[0\].point is 1.5, .* type int"),
-        (put("viewpoints", 0, "point", value=True), r"viewpoints\[0\].point is True, .* type int"),
-        (put("viewpoints", 0, "point", value=900), "point 900 is chosen"),
-        (put("lowest", value="low"), "lowest is 'low', expected a value of type float"),
-        (put("neighbours_only", value=1), "neighbours_only is 1, expected a value of type bool"),
-        (put("sampling", "method", value="spiral"), "no method 'spiral'; choose from fibonacci, uniform"),
-        (put("sampling", "radius", value=0.7), r"points\[0\] is .* radius 0.7 m"),
-        (put("graph", "points", 4, value=[0.0, 1.0]), "graph.points: .*expected a list of rows of 3"),
+        (put("motion_costs", value=[]), r"'motion_costs'.*'motion_cost'"),
+        (put("graph", "edge", value=[]), r"\bgraph\b.*'edge'.*'edges'"),
+        (put("sampling", "sead", value=1), r"\bsampling\b.*'sead'.*'seed'"),
+        (
+            put("viewpoints", 1, "pose", value=1),
+            r"viewpoints\[1\].*'pose'.*name, point, position, world_from_camera",
+        ),
+        (lambda data: data.pop("travel"), r"key 'travel'"),
+        (lambda data: data["graph"].pop("edges"), r"\bgraph\b.*key 'edges'.*points, reachable, edges"),
+        (put("graph", value=3), r"\bgraph\b.*\b3\b.*points, reachable, edges"),
+        (put("viewpoints", value="p1"), r"viewpoints .*'p1'.*\blist\b"),
+        (put("viewpoints", 0, "name", value=1), r"viewpoints\[0\]\.name .*\b1\b.*\bstr\b"),
+        (put("viewpoints", 0, "point", value=1.5), r"viewpoints\[0\]\.point .*\b1\.5\b.*\bint\b"),
+        (put("viewpoints", 0, "point", value=True), r"viewpoints\[0\]\.point .*\bTrue\b.*\bint\b"),
+        (put("viewpoints", 0, "point", value=900), r"point 900\b.*\b0, 1, 2, "),
+        (put("lowest", value="low"), r"\blowest\b.*'low'.*\bfloat\b"),
+        (put("neighbours_only", value=1), r"neighbours_only .*\b1\b.*\bbool\b"),
+        (put("sampling", "method", value="spiral"), r"method 'spiral'.*fibonacci, uniform"),
+        (put("sampling", "radius", value=0.7), r"points\[0\] .*\b0\.7 m"),
+        (put("graph", "points", 4, value=[0.0, 1.0]), r"graph\.points\b.*inhomogeneous.*\b3\b"),
         (
             put("graph", "reachable", value=[1.0] * 30),
-            r"graph.reachable has .* float64, expected a list of bo",
+            r"graph\.reachable\b.*float64.*\bbool\b",
         ),
         (
             put("graph", "edges", 0, value=[0.0, 1.0]),
-            "graph.edges has .* expected a list of rows of 2 of int",
+            r"graph\.edges\b.*float64.*\b2\b.*\bint64\b",
         ),
-        (put("graph", "edges", value=[]), "the neighbour graph falls into"),
-        (put("motion_cost", 0, 1, value=2.5), "motion_cost does not follow from the graph.*SortingModel"),
-        (put("motion_cost", value=[[1.0]]), "motion_cost does not follow from the graph"),
-        (put("travel", 0, value=[0]), "travel does not follow from the graph"),
-        (put("viewpoints", 2, "position", 1, value=0.4), "viewpoints does not follow from the graph"),
-        (put("viewpoints", 0, "world_from_camera", 0, value=None), "viewpoints does not follow"),
+        (put("graph", "edges", value=[]), r"graph .*\b26 parts"),
+        (put("motion_cost", 0, 1, value=2.5), r"motion_cost\b.*2\.5.*`beltsort viewpoints`.*SortingModel"),
+        (put("motion_cost", value=[[1.0]]), r"motion_cost\b.*\[\[1\.0\]\].*`beltsort viewpoints`"),
+        (put("travel", 0, value=[0]), r"travel\b.*\[\[0\], .*`beltsort viewpoints`"),
+        (put("viewpoints", 2, "position", 1, value=0.4), r"viewpoints\b.*'p1', .*`beltsort viewpoints`"),
+        (
+            put("viewpoints", 0, "world_from_camera", 0, value=None),
+            r"viewpoints\b.*'p1', .*`beltsort viewpoints`",
+        ),
     ],
 )
 def test_what_is_refused(path: Path, change: Callable[[Data], object], message: str) -> None:
@@ -112,13 +118,13 @@ def test_what_is_refused(path: Path, change: Callable[[Data], object], message: 
 @pytest.mark.parametrize("content", ["", "[", "[]", "\x00"])
 def test_no_json_object(path: Path, content: str) -> None:
     path.write_text(content)
-    with pytest.raises(ViewpointError, match=r"cannot be read|expected an object"):
+    with pytest.raises(ViewpointError, match=r"Expecting value|\[\].*\bviewpoints, motion_cost, "):
         ViewpointMap.load(path)
 
 
 def test_no_text_and_no_file(path: Path) -> None:
-    with pytest.raises(ViewpointError, match=r"cannot be read: .*No such file"):
+    with pytest.raises(ViewpointError, match=r"No such file.*`beltsort viewpoints`"):
         ViewpointMap.load(path)
     path.write_bytes(b"\xff\xfe\xff")
-    with pytest.raises(ViewpointError, match=r"cannot be read: .*decode"):
+    with pytest.raises(ViewpointError, match=r"decode.*`beltsort viewpoints`"):
         ViewpointMap.load(path)

@@ -82,12 +82,12 @@ def test_another_urdf_is_searched_anew_the_same_elsewhere_is_not(
 
 def test_a_cache_that_cannot_be_used_is_an_error(tmp_path: Path, arm: Arm) -> None:
     (tmp_path / "reach.sqlite").write_text("no database, and long enough to be told from an empty one" * 20)
-    with pytest.raises(ViewpointError, match=r"reach\.sqlite cannot be used: .*; delete it or point XDG"):
+    with pytest.raises(ViewpointError, match=r"reach\.sqlite\b.*not a database.*XDG_CACHE_HOME"):
         RememberingArm(arm, tmp_path)(POSE)
-    with pytest.raises(ViewpointError, match=r"cannot be used: .*XDG_CACHE_HOME"):
+    with pytest.raises(ViewpointError, match=r"reach\.sqlite\b.*File exists.*XDG_CACHE_HOME"):
         RememberingArm(arm, tmp_path / "reach.sqlite")(POSE)
 
 
 def test_a_urdf_that_is_not_there(tmp_path: Path, arm: Arm) -> None:
-    with pytest.raises(ViewpointError, match=r"absent\.urdf cannot be read"):
+    with pytest.raises(ViewpointError, match=r"absent\.urdf\b.*No such file"):
         RememberingArm(dataclasses.replace(arm, urdf=tmp_path / "absent.urdf"), tmp_path)(POSE)

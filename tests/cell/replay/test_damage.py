@@ -42,7 +42,7 @@ def test_a_truncated_bag(form: str, kept: float, tmp_path: Path) -> None:
     file = storage(path)
     data = file.read_bytes()
     file.write_bytes(data[: int(kept * len(data))])
-    with pytest.raises(CellError, match=r"cannot read .*record.*expected a complete ROS bag"):
+    with pytest.raises(CellError, match=r"/record.*\bROS bag\b.*\bsqlite3 or mcap\b"):
         play(path)
 
 
@@ -72,14 +72,14 @@ def test_damaged_bytes_never_end_in_anything_but_an_error(form: str, tmp_path: P
 def test_damaged_metadata(form: str, text: str, tmp_path: Path) -> None:
     path = whole(tmp_path, form)
     (path / "metadata.yaml").write_text(text)
-    with pytest.raises(CellError, match="cannot read"):
+    with pytest.raises(CellError, match=r"(?s)/record.*\bROS bag\b"):
         play(path)
 
 
 @pytest.mark.parametrize("name", ["absent.bag", "absent", "table.csv"])
 def test_no_bag_at_all(name: str, tmp_path: Path) -> None:
     (tmp_path / "table.csv").write_text("a,b\n")
-    with pytest.raises(CellError, match=r"cannot read .*record it again"):
+    with pytest.raises(CellError, match=rf"{name}\b.*\bROS bag\b"):
         play(tmp_path / name)
 
 
@@ -97,5 +97,5 @@ def test_a_bag_without_messages(form: str, tmp_path: Path) -> None:
 def test_without_rosbags_the_error_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = whole(tmp_path, "mcap")
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
-    with pytest.raises(CellError, match=r"run pip install 'beltsort\[replay\]'"):
+    with pytest.raises(CellError, match=r"\brosbags\b.*pip install 'beltsort\[replay\]'"):
         play(path)

@@ -83,9 +83,7 @@ def test_a_record_at_its_end_says_so(record: Path) -> None:
     with Replay(options(record)) as cell:
         cell.move_to(1, "one")
         cell.scan(not_before=3.4)
-        with pytest.raises(
-            CommandError, match=r"no more scans from viewpoint 'p2' after .* 3\.510 \(2 of 9"
-        ) as error:
+        with pytest.raises(CommandError, match=r"viewpoint 'p2' .*\b3\.510\b.*\b2 of 9\b") as error:
             cell.scan(not_before=0.0)
         assert error.value.outcome is Outcome.NOT_DONE
         assert first(cell.scan(not_before=cell.move_to(0, "two")).points) == 20.0
@@ -123,11 +121,11 @@ def test_a_pose_topic_and_announced_stops_and_objects(form: str, tmp_path: Path)
         scan = cell.scan(not_before=0.0)
         np.testing.assert_array_equal(scan.points, depth_image(0)[0])
         np.testing.assert_array_equal(cell.scan(not_before=0.0).points, depth_image(50)[0])
-        with pytest.raises(CommandError, match="no more scans from viewpoint 'p2' of object 0"):
+        with pytest.raises(CommandError, match=r"viewpoint 'p2' of object 0\b"):
             cell.scan(not_before=0.0)
         assert cell.advance_to(2, "two") == 2.0
         assert cell.scan(not_before=2.0).world_from_camera[1, 3] == 2.0
-        with pytest.raises(CommandError, match="does not bring object 1 to the belt end") as error:
+        with pytest.raises(CommandError, match=r"\bobject 1\b.*\bobject 2\b") as error:
             cell.advance_to(1, "three")
         assert error.value.outcome is Outcome.NOT_DONE
 
@@ -143,7 +141,7 @@ def test_without_a_pose_near_the_scan_it_is_refused_and_the_next_one_served(tmp_
     path = bags.write(tmp_path, "mcap", record)
     with Replay(options(path, joint_topic="", taught={}, viewpoint_topic="/viewpoint")) as cell:
         cell.move_to(0, "one")
-        with pytest.raises(CommandError, match=r"nearest to the time 0\.500 is 0\.500 s away"):
+        with pytest.raises(CommandError, match=r"'camera'.*'world'.*\b0\.500\b.*\b0\.500 s\b"):
             cell.scan(not_before=0.0)
         assert cell.scan(not_before=0.0).stamp == 1.0
 
@@ -156,12 +154,12 @@ def truncated_cloud() -> Cloud:
 @pytest.mark.parametrize(
     ("broken", "said"),
     [
-        (np.empty((0, 3)), "the cloud is empty"),
-        (np.full((2, 2, 3), np.nan), "none of the 4 points is finite"),
-        (truncated_cloud(), "the cloud is truncated: 71 bytes"),
+        (np.empty((0, 3)), r"cloud\b.*\bempty\b"),
+        (np.full((2, 2, 3), np.nan), r"\b4 points\b.*\bfinite\b"),
+        (truncated_cloud(), r"cloud\b.*\btruncated\b.*\b71 bytes\b.*\b72\b"),
         (
             dataclasses.replace(packed(depth_image(0)), fields={"x": (0, 7), "y": (4, 7)}),
-            "no usable field 'z'",
+            r"field 'z'.*\bfloat32 \(7\) or float64 \(8\)",
         ),
     ],
     ids=["empty cloud", "NaN-only cloud", "truncated cloud", "cloud without z"],
@@ -190,11 +188,14 @@ def test_unusable_clouds_are_refused(broken: Points | Cloud, said: str, tmp_path
     [
         (
             {"scan_topic": "/other"},
-            r"has '/other' of type None, .* /camera/points \(sensor_msgs/msg/PointCloud2\)",
+            r"'/other' .*\bNone\b.* /camera/points \(sensor_msgs/msg/PointCloud2\)",
         ),
-        ({"scan_topic": "/joint_states"}, "has '/joint_states' of type sensor_msgs/msg/JointState"),
-        ({"joint_topic": "", "taught": {}}, "has '/beltsort/viewpoint' of type None"),
-        ({"pose_topic": "/pose"}, "has '/pose' of type None"),
+        (
+            {"scan_topic": "/joint_states"},
+            "'/joint_states' .*sensor_msgs/msg/JointState.*sensor_msgs/msg/PointCloud2",
+        ),
+        ({"joint_topic": "", "taught": {}}, r"'/beltsort/viewpoint' .*\bNone\b.* /camera/points "),
+        ({"pose_topic": "/pose"}, r"'/pose' .*\bNone\b.* /camera/points "),
     ],
 )
 def test_a_bag_without_what_the_options_name(changes: dict[str, Any], said: str, tmp_path: Path) -> None:
@@ -206,8 +207,8 @@ def test_a_bag_without_what_the_options_name(changes: dict[str, Any], said: str,
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"taught": {}}, "give both"),
-        ({"taught": {"p1": P1}}, r"taught names \['p1'\], expected the viewpoints"),
+        ({"taught": {}}, r"joint_topic\b.*taught\b.*\[\]"),
+        ({"taught": {"p1": P1}}, r"taught\b.*\['p1'\].*\['p1', 'p2'\]"),
     ],
 )
 def test_options_that_do_not_fit(changes: dict[str, Any], said: str) -> None:

@@ -47,15 +47,18 @@ def test_one_row_is_not_organised() -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"data": packed(POINTS).data[:-1]}, "truncated: 239 bytes in rows of 60, expected 240"),
+        ({"data": packed(POINTS).data[:-1]}, r"truncated\b.*\b239 bytes\b.*\b60\b.*\b240\b"),
         ({"height": 5}, "truncated"),
         ({"row_step": 59}, "truncated"),
-        ({"width": 0}, r"empty \(4 x 0 points\)"),
-        ({"height": 0}, "empty"),
-        ({"fields": {}}, "no usable field 'x'"),
-        ({"fields": {"x": (0, 7), "y": (4, 7), "z": (10, 7)}}, "no usable field 'z'"),
-        ({"fields": {"x": (0, 7), "y": (4, 5), "z": (8, 7)}}, "no usable field 'y'"),
-        ({"point_step": 0}, "no usable field"),
+        ({"width": 0}, r"empty\b.*\b4 x 0 points\b"),
+        ({"height": 0}, r"empty\b.*\b0 x 5 points\b"),
+        ({"fields": {}}, r"field 'x'.*\bfloat32 \(7\) or float64 \(8\)"),
+        (
+            {"fields": {"x": (0, 7), "y": (4, 7), "z": (10, 7)}},
+            r"field 'z'.*\bfloat32 \(7\) or float64 \(8\)",
+        ),
+        ({"fields": {"x": (0, 7), "y": (4, 5), "z": (8, 7)}}, r"field 'y'.*\bfloat32 \(7\) or float64 \(8\)"),
+        ({"point_step": 0}, r"field 'x'.*\b0 bytes\b"),
     ],
 )
 def test_broken_clouds_are_refused(changes: dict[str, Any], said: str) -> None:
@@ -66,5 +69,5 @@ def test_broken_clouds_are_refused(changes: dict[str, Any], said: str) -> None:
 def test_infinite_coordinates_are_not_returns() -> None:
     points = POINTS.copy()
     points[..., 2] = np.inf
-    with pytest.raises(CellError, match="none of the 20 points is finite"):
+    with pytest.raises(CellError, match=r"\b20 points\b.*\bfinite\b"):
         points_of(packed(points))

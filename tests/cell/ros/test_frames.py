@@ -1,5 +1,7 @@
 """Frames: chains, times, and what is wrong with them."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -43,16 +45,14 @@ def test_the_nearest_time_counts_and_the_past_is_forgotten() -> None:
         frames.add("world", "camera", time, [time, 0.0, 0.0], STILL)
     assert frames.pose("world", "camera", 12.14)[0, 3] == 12.1
     assert frames.pose("world", "camera", 12.45)[0, 3] == 12.3
-    with pytest.raises(
-        CellError, match=r"nearest to the time 0\.000 is 12\.000 s away, expected at most 0\.2 s"
-    ):
+    with pytest.raises(CellError, match=r"'camera'.*'world'.*\b0\.000\b.*\b12\.000 s\b.*\b0\.2 s\b"):
         frames.pose("world", "camera", 0.0)
 
 
 def test_frames_that_do_not_meet() -> None:
     frames = Frames()
     frames.add("base", "camera", None, [0.0, 0.0, 0.0], STILL)
-    with pytest.raises(CellError, match=r"end at 'base' and 'world'.*known are camera in base"):
+    with pytest.raises(CellError, match=r"'camera'.*'world'.*'base' and 'world'.*\bcamera in base\b"):
         frames.pose("world", "camera", 0.0)
 
 
@@ -60,7 +60,7 @@ def test_a_circle_is_refused() -> None:
     frames = Frames()
     frames.add("a", "b", None, [0.0, 0.0, 0.0], STILL)
     frames.add("b", "a", None, [0.0, 0.0, 0.0], STILL)
-    with pytest.raises(CellError, match="go round in a circle"):
+    with pytest.raises(CellError, match=r"\['a', 'b'\]"):
         frames.pose("world", "a", 0.0)
 
 
@@ -74,5 +74,7 @@ def test_a_circle_is_refused() -> None:
     ],
 )
 def test_what_is_no_rigid_transform(translation: list[float], quaternion: list[float]) -> None:
-    with pytest.raises(CellError, match="are no rigid transform"):
+    with pytest.raises(
+        CellError, match=rf"{re.escape(str(translation))}.*{re.escape(str(quaternion))}.*\b1\b"
+    ):
         Frames().add("world", "camera", 0.0, translation, quaternion)

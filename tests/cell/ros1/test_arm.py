@@ -47,7 +47,7 @@ def test_the_flange_is_where_tf_says(rig: Rig, arm: Ros1Arm) -> None:
         pose = telling.flange_pose(timeout=10.0)
         assert pose is not None
         assert pose[2, 3] == pytest.approx(scene.TAUGHT["p2"]["elbow"], abs=options.tolerance)
-    said = "the pose of 'hand' was not known within 1 s: no transforms"
+    said = r"pose of 'hand'.*\b1 s\b.*\btransforms\b.*'hand'.*'world'"
     with Ros1Arm(dataclasses.replace(options, flange_frame="hand")) as lost:
         lost.connect()
         with pytest.raises(CommandError, match=said):
@@ -57,7 +57,7 @@ def test_the_flange_is_where_tf_says(rig: Rig, arm: Ros1Arm) -> None:
 def test_a_refused_goal_says_what_the_action_says(rig: Rig, shared_acting_arm: Ros1Arm) -> None:
     shared_acting_arm.move_to(1, an_id(), timeout=10.0)
     rig.tell(verdict=5)
-    with pytest.raises(CommandError, match=r"the action failed \(5\) says the peer") as error:
+    with pytest.raises(CommandError, match=r"\(5\).*says the peer") as error:
         shared_acting_arm.move_to(0, an_id(), timeout=10.0)
     assert error.value.outcome is Outcome.NOT_DONE
 
@@ -67,7 +67,7 @@ def test_a_stop_from_another_thread_ends_the_motion(rig: Rig, either: Ros1Arm) -
     rig.tell(speed=0.1)
     one = an_id()
     stopping = rig.when_busy("arm", either.stop)
-    with pytest.raises(CommandError, match="told to stop on its way to 'p2'") as error:
+    with pytest.raises(CommandError, match=r"\bstop\b.*'p2'") as error:
         either.move_to(1, one, timeout=10.0)
     assert error.value.outcome is Outcome.UNKNOWN
     stopping.join()

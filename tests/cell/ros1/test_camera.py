@@ -38,11 +38,11 @@ def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: Rig) -> None:
 @pytest.mark.parametrize(
     ("cloud", "said"),
     [
-        ("stale", r"the last: its stamp is .* s too old"),
-        ("empty", "the last: the cloud is empty"),
-        ("nan", "the last: none of the 48 points is finite"),
-        ("truncated", "the last: the cloud is truncated"),
-        ("frame", "the last: it is in the frame 'elsewhere', expected 'optical'"),
+        ("stale", r"/\w+ .*\b0\.3 s\b.*\bstamp\b.* s\b"),
+        ("empty", r"/\w+ .*\b0\.3 s\b.*\bempty\b"),
+        ("nan", r"/\w+ .*\b0\.3 s\b.*\b48 points\b.*\bfinite\b"),
+        ("truncated", r"/\w+ .*\b0\.3 s\b.*\btruncated\b"),
+        ("frame", r"/\w+ .*\b0\.3 s\b.*'elsewhere'.*'optical'"),
     ],
     ids=["stale scan", "empty cloud", "NaN-only cloud", "truncated cloud", "other frame"],
 )
@@ -57,7 +57,7 @@ def test_an_unusable_cloud_is_waited_out(rig: Rig, camera: Ros1Camera, cloud: st
 
 
 def test_misuse(camera: Ros1Camera) -> None:
-    with pytest.raises(CellError, match="not_before is nan"):
+    with pytest.raises(CellError, match=r"\bnot_before\b.*\bnan\b"):
         camera.scan(not_before=float("nan"))
 
 
@@ -65,5 +65,5 @@ def test_a_world_that_tf_does_not_know(rig: Rig) -> None:
     options = dataclasses.replace(scene.camera_by_tf(rig.uri), world_frame="moon")
     with Ros1Camera(options) as camera:
         camera.connect()
-        with pytest.raises(CommandError, match="no transforms lead from 'optical' to 'moon'"):
+        with pytest.raises(CommandError, match=r"'optical'.*'moon'"):
             camera.scan(not_before=0.0, timeout=2.0)

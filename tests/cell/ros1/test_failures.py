@@ -36,12 +36,10 @@ def test_the_master_killed_mid_command_and_restarted(rig: Rig, arm: Ros1Arm) -> 
     killing = rig.when_busy("arm", lambda: rig.kill(rig.master))
     assert arm.move_to(1, an_id(), timeout=30.0) > 0.0  # arm and driver talk to each other
     killing.join()
-    with pytest.raises(
-        CommandError, match=r"the ROS master at http://127\.0\.0\.1:\d+ does not answer"
-    ) as error:
+    with pytest.raises(CommandError, match=r"\bmaster\b.*http://127\.0\.0\.1:\d+") as error:
         arm.move_to(0, an_id(), timeout=5.0)
     assert error.value.outcome is Outcome.NOT_DONE
-    with pytest.raises(CommandError, match="does not answer"):
+    with pytest.raises(CommandError, match=r"\bmaster\b.*http://127\.0\.0\.1:\d+"):
         arm.health()
     rig.kill(rig.peer)
     rig.start_master()
@@ -54,7 +52,7 @@ def test_a_frozen_master_is_not_waited_for(rig: Rig, camera: Ros1Camera) -> None
     camera.connect()
     os.kill(rig.master.pid, signal.SIGSTOP)
     try:
-        with pytest.raises(CommandError, match="does not answer"):
+        with pytest.raises(CommandError, match=r"\bmaster\b.*http://127\.0\.0\.1:\d+"):
             camera.scan(not_before=0.0, timeout=0.5)
     finally:
         os.kill(rig.master.pid, signal.SIGCONT)
@@ -78,7 +76,7 @@ def test_our_own_node_frozen_or_killed(rig: Rig) -> None:
         (node,) = set(own_nodes()) - set(before)
         assert os.getpgid(node) != os.getpgid(0)  # Control-C passes it by
         os.kill(node, signal.SIGSTOP)
-        with pytest.raises(CommandError, match=r"did not answer \(newest\) within"):
+        with pytest.raises(CommandError, match=r"node\b.*\(newest\).*\d s\b"):
             camera.scan(not_before=0.0, timeout=0.5)
         os.kill(node, signal.SIGCONT)
         assert camera.scan(not_before=time.time(), timeout=10.0).frame == "optical"
@@ -107,7 +105,9 @@ def test_without_a_master() -> None:
     with (
         HeldPort() as port,
         Ros1Camera(scene.camera_by_tf(f"http://127.0.0.1:{port.number}")) as camera,
-        pytest.raises(CommandError, match=r"does not answer \(ConnectionRefusedError.*start it") as error,
+        pytest.raises(
+            CommandError, match=r"\bmaster\b.*http://127\.0\.0\.1:\d+.*ConnectionRefusedError"
+        ) as error,
     ):
         camera.connect()
     assert error.value.outcome is Outcome.NOT_DONE
@@ -116,7 +116,7 @@ def test_without_a_master() -> None:
 def test_without_rospy(rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "rospy.py").write_text("raise ImportError('no rospy here')\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(CommandError, match=r"\(no rospy here\); .*apt-get install .*python3-rospy"):
+    with pytest.raises(CommandError, match=r"\(no rospy here\).*apt-get install .*python3-rospy"):
         Ros1Belt(scene.belt(rig.uri)).connect()
 
 
@@ -124,9 +124,7 @@ def test_a_start_that_hangs(rig: Rig, tmp_path: Path, monkeypatch: pytest.Monkey
     (tmp_path / "rospy.py").write_text("import time\ntime.sleep(60)\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     before = own_nodes()
-    with pytest.raises(
-        CommandError, match=r"did not answer \(starting\) within .* connect\(\) waits"
-    ) as error:
+    with pytest.raises(CommandError, match=r"node\b.*\(starting\).*\d s\b.*connect\(\)") as error:
         Ros1Belt(scene.belt(rig.uri)).advance_to(1, "one", timeout=0.5)
     assert error.value.outcome is Outcome.NOT_DONE
     assert own_nodes() == before
@@ -140,7 +138,7 @@ def test_the_emergency_stop(rig: Rig, arm: Ros1Arm, belt: Ros1Belt) -> None:
         arm.move_to(1, an_id(), timeout=10.0)
     pressing.join()
     assert error.value.outcome is Outcome.UNKNOWN
-    with pytest.raises(EmergencyStopError, match="release it at the cell") as error:
+    with pytest.raises(EmergencyStopError, match=r"\bemergency stop\b") as error:
         arm.move_to(0, an_id())
     assert error.value.outcome is Outcome.NOT_DONE
     with pytest.raises(EmergencyStopError) as error:
@@ -158,6 +156,6 @@ def test_an_emergency_stop_that_nothing_tells(rig: Rig) -> None:
     options = dataclasses.replace(scene.arm(rig.uri), emergency_stop_topic="/silent")
     with Ros1Arm(options) as arm:
         arm.connect()
-        with pytest.raises(CommandError, match="nothing on /silent tells") as error:
+        with pytest.raises(CommandError, match=r"/silent\b.*\bemergency stop\b") as error:
             arm.move_to(0, an_id(), timeout=2.0)
         assert error.value.outcome is Outcome.NOT_DONE

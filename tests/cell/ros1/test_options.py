@@ -17,8 +17,11 @@ MASTER = "http://127.0.0.1:11311"
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"joint_topic": "/joint_states"}, "give either world_frame"),
-        ({"world_frame": "", "taught": scene.TAUGHT, "poses": scene.POSES}, "joint_topic ''"),
+        ({"joint_topic": "/joint_states"}, r"world_frame\b.*'world'.*joint_topic\b.*'/joint_states'"),
+        (
+            {"world_frame": "", "taught": scene.TAUGHT, "poses": scene.POSES},
+            r"world_frame\b.*''.*joint_topic\b.*''.*\['p1', 'p2'\]",
+        ),
         (
             {
                 "world_frame": "",
@@ -26,9 +29,9 @@ MASTER = "http://127.0.0.1:11311"
                 "taught": scene.TAUGHT,
                 "poses": {"p1": scene.POSES["p1"]},
             },
-            r"poses names \['p1'\], expected the viewpoints of taught, \['p1', 'p2'\]",
+            r"poses\b.*\['p1'\].*taught\b.*\['p1', 'p2'\]",
         ),
-        ({"pose_age": 0.0}, "pose_age is 0.0, expected above 0"),
+        ({"pose_age": 0.0}, r"\bpose_age\b.*\b0\.0\b.*\b0\b"),
     ],
 )
 def test_a_camera_whose_pose_is_not_known_or_twice(changes: dict[str, Any], said: str) -> None:
@@ -40,14 +43,17 @@ def test_a_camera_whose_pose_is_not_known_or_twice(changes: dict[str, Any], said
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"action": "/arm"}, "give the one that the arm listens to"),
-        ({"joint_command_topic": ""}, "give the one"),
-        ({"viewpoints": ("p1", "p3")}, r"expected joints for each of the viewpoints \['p1', 'p3'\]"),
-        ({"taught": {**scene.TAUGHT, "p2": {}}}, r"taught.p2 is \{\}, .* \['elbow', 'shoulder'\]"),
-        ({"taught": {**scene.TAUGHT, "p2": {"elbow": float("nan"), "shoulder": 0.0}}}, "taught.p2 is"),
-        ({"stalled": float("nan")}, "stalled is nan"),
-        ({"flange_frame": "flange"}, "world_frame is '' and flange_frame 'flange'; give both"),
-        ({"viewpoints": (), "taught": {}}, r"expected joints for each of the viewpoints \[\]"),
+        ({"action": "/arm"}, r"joint_command_topic\b.*'/\S+'.*action\b.*'/arm'"),
+        ({"joint_command_topic": ""}, r"joint_command_topic\b.*''.*action\b.*''"),
+        ({"viewpoints": ("p1", "p3")}, r"taught\b.*\['p1', 'p2'\].*\['p1', 'p3'\]"),
+        ({"taught": {**scene.TAUGHT, "p2": {}}}, r"taught\.p2\b.*\{\}.*\['elbow', 'shoulder'\]"),
+        (
+            {"taught": {**scene.TAUGHT, "p2": {"elbow": float("nan"), "shoulder": 0.0}}},
+            r"taught\.p2\b.*\bnan\b.*\['elbow', 'shoulder'\]",
+        ),
+        ({"stalled": float("nan")}, r"\bstalled\b.*\bnan\b"),
+        ({"flange_frame": "flange"}, r"world_frame\b.*''.*flange_frame\b.*'flange'"),
+        ({"viewpoints": (), "taught": {}}, r"taught\b.*\[\].*\[\]"),
     ],
 )
 def test_an_arm_that_cannot_be_commanded(changes: dict[str, Any], said: str) -> None:
@@ -61,7 +67,7 @@ def test_an_arm_that_cannot_be_commanded(changes: dict[str, Any], said: str) -> 
 )
 def test_a_sorter_that_would_hear_itself(topics: tuple[str, str, str]) -> None:
     command, state, stop = topics
-    with pytest.raises(CellError, match="expected three different names"):
+    with pytest.raises(CellError, match=rf"command_topic, state_topic and stop_topic\b.*'{stop}'"):
         Ros1SorterOptions(command_topic=command, state_topic=state, stop_topic=stop)
 
 
@@ -78,7 +84,7 @@ def test_a_sorter_that_would_hear_itself(topics: tuple[str, str, str]) -> None:
     ],
 )
 def test_poses_that_are_none(rows: list[list[float]]) -> None:
-    with pytest.raises(CellError, match=r"poses.p2 is .*, expected a rigid transform"):
+    with pytest.raises(CellError, match=r"poses\.p2\b.*\brigid\b.*\(4, 4\)"):
         dataclasses.replace(scene.camera_by_joints(MASTER), poses={**scene.POSES, "p2": rows})
 
 

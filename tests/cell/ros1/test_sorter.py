@@ -29,7 +29,7 @@ def an_id() -> str:
 def test_a_refused_sort_is_sent_again_as_the_next_attempt(rig: Rig, sorter: Ros1Sorter) -> None:
     bins, one = rig.tell(full=True)["bins"], an_id()
     for attempt in (1, 2):
-        with pytest.raises(CommandError, match=f"refused '{one}/{attempt}': the bin is full") as error:
+        with pytest.raises(CommandError, match=f"'{one}/{attempt}'.*the bin is full") as error:
             sorter.sort(2, one)
         assert error.value.outcome is sorter.outcome_of(one) is Outcome.NOT_DONE
     rig.mend()
@@ -52,7 +52,7 @@ def test_a_sort_that_was_stopped_on_the_way_is_unknown(rig: Rig, sorter: Ros1Sor
     rig.tell(sort=60.0)
     one = an_id()
     stopping = rig.when_busy("sorter", sorter.stop)
-    with pytest.raises(CommandError, match=r"broke .* off .*stopped on the way") as error:
+    with pytest.raises(CommandError, match=rf"'{one}/1'.*stopped on the way") as error:
         sorter.sort(1, one, timeout=10.0)
     stopping.join()
     assert error.value.outcome is sorter.outcome_of(one) is Outcome.UNKNOWN

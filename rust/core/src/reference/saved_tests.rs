@@ -44,13 +44,10 @@ fn the_first_difference_to_another_model_is_named() {
         change(&mut spec);
         Solution::load(&path, Some(&SortingModel::new(spec).unwrap())).map(|_| ()).map_err(|e| e.to_string())
     };
-    assert!(
-        refused(&|spec| spec.r_min = 5.0).unwrap_err().contains("r_min: 50 in the solution, 5 in the model")
-    );
-    assert!(refused(&|spec| spec.p_obs[1][2][0].swap(0, 3)).unwrap_err().contains("p_obs[1][2][0][0]: "));
-    assert!(
-        refused(&|spec| spec.arrival = Some(vec![0.25; 4])).unwrap_err().contains("arrival: nothing in the")
-    );
+    let error = refused(&|spec| spec.r_min = 5.0).unwrap_err();
+    assert!(["r_min", "50", "5"].iter().all(|part| error.contains(part)), "{error}");
+    assert!(refused(&|spec| spec.p_obs[1][2][0].swap(0, 3)).unwrap_err().contains("p_obs[1][2][0][0]"));
+    assert!(refused(&|spec| spec.arrival = Some(vec![0.25; 4])).unwrap_err().contains("arrival"));
     assert_eq!(refused(&|spec| spec.note = "another".into()), Ok(()), "remarks do not matter");
     std::fs::remove_file(&path).unwrap();
 }
@@ -59,8 +56,9 @@ fn the_first_difference_to_another_model_is_named() {
 fn damaged_files_and_other_versions_are_refused() {
     let bytes = solution(&paper(50.0)).to_bytes().unwrap();
     let refused = |bytes: &[u8]| Solution::from_bytes(bytes).unwrap_err().to_string();
-    assert!(refused(b"{}").contains("no solution of beltsort"));
-    assert!(refused(b"beltsort solution 2\n{}\n").contains("format version 2, this beltsort reads 1"));
+    assert!(refused(b"{}").contains("`beltsort solve MODEL -o FILE`"));
+    let error = refused(b"beltsort solution 2\n{}\n");
+    assert!(["version", "2", "1"].iter().all(|part| error.contains(part)), "{error}");
     for length in [30, bytes.len() / 2, bytes.len() - 1] {
         assert!(refused(&bytes[..length]).contains("damaged"));
     }
@@ -76,5 +74,5 @@ fn files_that_cannot_be_read_or_written_are_named() {
     let missing = file("missing").join("solution");
     assert!(Solution::load(&missing, None).unwrap_err().to_string().contains("missing"));
     let refused = solution(&paper(50.0)).save(&missing).unwrap_err().to_string();
-    assert!(refused.contains("missing") && refused.contains("cannot be written"));
+    assert!(refused.contains("missing") && refused.contains("os error"), "{refused}");
 }
