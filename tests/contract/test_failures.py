@@ -1,5 +1,6 @@
 """What controllers on a fieldbus do when the machine, the controller or the network fails."""
 
+import re
 from concurrent.futures import Future
 
 import pytest

@@ -105,7 +105,7 @@ def test_without_a_master() -> None:
     with (
         HeldPort() as port,
         Ros1Camera(scene.camera_by_tf(f"http://127.0.0.1:{port.number}")) as camera,
-        pytest.raises(
+        pytest.raises(CommandError, match=r"http://127\.0\.0\.1:\d+.*ConnectionRefusedError") as error,
             CommandError, match=r"\bmaster\b.*http://127\.0\.0\.1:\d+.*ConnectionRefusedError"
         ) as error,
     ):
