@@ -11,7 +11,7 @@ bin := .venv/bin
 extension := beltsort/_core.abi3.so
 rust_sources := Cargo.toml Cargo.lock $(shell find rust -type f)
 
-.PHONY: help venv build demo test test-rust lint-rust test-python lint-python types soak bench format wheel clean
+.PHONY: help venv build demo test test-rust lint-rust test-python lint-python types laws soak bench format wheel clean
 
 help:  ## this list
 	@echo 'make TARGET, with ARGS="..." for the demo and PYTHON=python3.12 to choose the interpreter of a new .venv'
@@ -43,6 +43,11 @@ lint-python: venv  ## ruff
 types: build venv  ## mypy, and the stub of the extension against the real thing
 	$(bin)/python -m mypy
 	$(bin)/python -m mypy.stubtest beltsort._core
+
+laws: SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
+laws: build venv  ## the laws on ten times the cases, new ones each time; SEED=... for the same again
+	BELTSORT_LAWS=1 PROPTEST_RNG_SEED=$(SEED) cargo test -p beltsort-core
+	BELTSORT_LAWS=1 $(bin)/python -m pytest -m hypothesis --hypothesis-seed=$(SEED)
 
 soak: build venv  ## 100 kills and 1,000 objects with faults
 	$(bin)/python -m pytest tests/soak -m soak -s
