@@ -1,4 +1,4 @@
-"""Ctrl-C for the processes that tests start, cases for laws, and a table of the faults that tests have injected."""
+"""Ctrl-C for the processes that tests start, cases for laws, and a table of the faults injected by tests."""
 
 import signal
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What laws are tried on: the same cases each time; with `make laws` ten times as many, new ones each time."""
+"""What laws are tried on: the same cases each time; by `make laws` ten times as many, new ones each time."""
 
 import os
 
