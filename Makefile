@@ -54,6 +54,11 @@ types: build venv  ## mypy, and the stub of the extension against the real thing
 	$(bin)/python -m mypy
 	$(bin)/python -m mypy.stubtest beltsort._core
 
+laws: SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
+laws: build venv  ## the laws on ten times the cases, new ones each time; SEED=... for the same again
+	BELTSORT_LAWS=1 PROPTEST_RNG_SEED=$(SEED) cargo test -p beltsort-core
+	BELTSORT_LAWS=1 $(bin)/python -m pytest -m hypothesis --hypothesis-seed=$(SEED)
+
 soak: build venv  ## 100 kills and 1,000 objects with faults
 	$(bin)/python -m pytest tests/soak -m soak -s
 

@@ -1,11 +1,14 @@
-"""Ctrl-C for the processes that tests start, and a table of the faults that tests have injected."""
+"""Ctrl-C for the processes that tests start, cases for laws, and a table of the faults injected by tests."""
 
 import signal
 from collections.abc import Callable
 
 import pytest
 
+from tests import laws
 from tests.account import Account, table
+
+laws.load_profile()
 
 # A shell has its background jobs ignore Ctrl-C, and whatever they start inherits that.
 signal.signal(signal.SIGINT, signal.default_int_handler)

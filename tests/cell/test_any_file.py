@@ -5,7 +5,7 @@ from contextlib import suppress
 from datetime import date
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell.composed import compose
@@ -15,6 +15,7 @@ from beltsort.cell.validation import validated
 from beltsort.errors import CellError
 from tests.cell.cell_files import EXAMPLE
 from tests.cell.test_cell_docs import TOML
+from tests.laws import cases
 
 FILES = [tomllib.loads(text) for text in (EXAMPLE.read_text(), TOML[0], TOML[0] + TOML[1] + TOML[-1])]
 
@@ -46,7 +47,7 @@ def replaced(tree: Any, path: tuple[Any, ...], value: Any) -> Any:
     return copy
 
 
-@settings(max_examples=100, deadline=None)
+@cases(100)
 @given(st.data())
 def test_a_changed_file_is_described_or_refused(data: st.DataObject) -> None:
     file = data.draw(st.sampled_from(FILES))

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell import Scan
@@ -13,6 +13,7 @@ from beltsort.cell.inspection import seen_belt, seen_crops
 from beltsort.cell.simulated import CellConfig, SimulatedCell, SphereViewpoint
 from beltsort.cell.simulated.rotations import rotation
 from beltsort.geometry import BeltLayout, Points, Pose, look_at, on_sphere
+from tests.laws import cases
 
 CENTRE = np.zeros(3)
 OBLIQUE = look_at(on_sphere(60.0, 50.0, 0.7, CENTRE), CENTRE)
@@ -40,7 +41,7 @@ def test_an_exact_cell_sees_the_belt_where_it_is() -> None:
     assert belt.points > 1000
 
 
-@settings(max_examples=20, deadline=None)
+@cases(20)
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-0.01, 0.01))
 def test_a_wrong_pose_shows_as_tilt_and_height(about_x: float, about_y: float, lift: float) -> None:
     belt = seen_belt(flat(reported_error=moved((about_x, about_y), lift)))

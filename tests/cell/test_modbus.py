@@ -10,7 +10,7 @@ from threading import Thread
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymodbus.client import ModbusTcpClient
 
@@ -29,6 +29,7 @@ from beltsort.cell.modbus.registers import (
 )
 from beltsort.errors import CellError
 from tests.contract.peers import ModbusPeer, ModbusTlsPeer
+from tests.laws import cases
 
 u16, u32, i32 = st.integers(0, 2**16 - 1), st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1)
 keys = st.integers(0, 2**63 - 1)
@@ -55,7 +56,7 @@ WRITE = 16
 """The Modbus function "write multiple registers"."""
 
 
-@settings(max_examples=50, derandomize=True, deadline=None)
+@cases(50)
 @given(requests, replies)
 def test_what_is_written_is_what_is_read(request: Request, reply: Reply) -> None:
     assert decode_request(encode_request(request)) == request
@@ -94,7 +95,7 @@ def test_the_reply_is_where_the_specification_says() -> None:
     assert {address: word for address, word in words.items() if word} == last_words | bins
 
 
-@settings(max_examples=5, derandomize=True, deadline=None)
+@cases(5)
 @given(replies, st.integers(2**32, 2**40))
 def test_numbers_too_large_become_the_largest(reply: Reply, large: int) -> None:
     read = decode_reply(encode_reply(replace(reply, age=large, bins=(large,))))

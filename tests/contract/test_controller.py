@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass, field
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell.controller.reference import Controller, Machine, Mishap
 from beltsort.cell.controller.wire import COMMANDS, NOWHERE, Phase, Reason, Reply, Request, Verb, following
+from tests.laws import cases
 
 MACHINE = Machine(bins=3, capacity=4, advance_seconds=1.0, sort_seconds=1.0, memory=1000)
 
@@ -34,7 +35,7 @@ class Rig:
         return self.replies[-1]
 
 
-@settings(max_examples=200, derandomize=True, deadline=None)
+@cases(200)
 @given(st.lists(orders, max_size=30))
 def test_every_id_acts_at_most_once(script: list[tuple[Verb, int, int, float, bool]]) -> None:
     rig = Rig()
@@ -51,7 +52,7 @@ def test_every_id_acts_at_most_once(script: list[tuple[Verb, int, int, float, bo
     assert sum(rig.ask(Verb.LOOK).bins) == done.count(Verb.SORT)
 
 
-@settings(max_examples=200, derandomize=True, deadline=None)
+@cases(200)
 @given(st.lists(orders.filter(lambda order: order[0] is not Verb.HOME), max_size=30))
 def test_the_belt_never_goes_back(script: list[tuple[Verb, int, int, float, bool]]) -> None:
     rig = Rig()
@@ -62,7 +63,7 @@ def test_the_belt_never_goes_back(script: list[tuple[Verb, int, int, float, bool
     assert positions == sorted(positions)
 
 
-@settings(max_examples=100, derandomize=True, deadline=None)
+@cases(100)
 @given(st.lists(orders, max_size=30))
 def test_what_is_over_stays_as_it_is(script: list[tuple[Verb, int, int, float, bool]]) -> None:
     rig = Rig()

@@ -4,11 +4,12 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from beltsort import Belief, ImpossibleObservationError, SortingModel
+from tests.laws import cases
 
 from .models import random_belief, random_model
 
@@ -42,7 +43,7 @@ def marginals(joint: Joint) -> list[NDArray[np.float64]]:
     return [joint.sum(axis=tuple(a for a in axes if a != j)) for j in axes]
 
 
-@settings(deadline=None, max_examples=40, derandomize=True)
+@cases(40)
 @given(seed=SEEDS, h=st.integers(1, 3), k=st.integers(1, 3), n=st.integers(2, 4))
 def test_equals_the_joint(seed: int, h: int, k: int, n: int) -> None:
     rng = np.random.default_rng(seed)
@@ -62,7 +63,7 @@ def test_equals_the_joint(seed: int, h: int, k: int, n: int) -> None:
         np.testing.assert_allclose(belief.probabilities.sum(axis=1), 1.0, atol=1e-12)
 
 
-@settings(deadline=None, max_examples=20, derandomize=True)
+@cases(20)
 @given(seed=SEEDS)
 def test_label_probabilities(seed: int) -> None:
     model = random_model(seed)
@@ -72,7 +73,7 @@ def test_label_probabilities(seed: int) -> None:
         np.testing.assert_allclose(belief.label_probabilities(viewpoint), expected, atol=1e-14)
 
 
-@settings(deadline=None, max_examples=20, derandomize=True)
+@cases(20)
 @given(seed=SEEDS)
 def test_relabelling_the_classes_relabels_the_belief(seed: int) -> None:
     model = random_model(seed)
@@ -131,7 +132,7 @@ def mixed(model: SortingModel, viewpoint: int, last: int, j: int = 0) -> NDArray
     return np.asarray(repeat * np.eye(3)[last] + (1 - repeat) * model.p_obs[j, viewpoint])
 
 
-@settings(deadline=None, max_examples=30, derandomize=True)
+@cases(30)
 @given(seed=SEEDS, first=st.integers(0, 2), second=st.integers(0, 2), repeat=st.floats(0.01, 0.99))
 def test_a_second_look_from_the_same_viewpoint(seed: int, first: int, second: int, repeat: float) -> None:
     model = random_model(seed, h=1, repeat=repeat)

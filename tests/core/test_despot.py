@@ -5,11 +5,12 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel, evaluate
 from tests.interrupting import interrupted
+from tests.laws import cases
 
 from .models import random_belief, random_model
 from .trees import nodes
@@ -33,7 +34,7 @@ def test_trials_are_reproducible_for_any_number_of_threads(paper: SortingModel) 
     assert facts(Despot(paper, scenarios=2000, seed=4, trials=700).plan(belief, 1)) != facts(plans[0])
 
 
-@settings(deadline=None, max_examples=8, derandomize=True)
+@cases(8)
 @given(seed=SEEDS, regularization=st.sampled_from([0.0, 0.1]))
 def test_bounds_tighten_with_trials(seed: int, regularization: float) -> None:
     model = random_model(seed)
@@ -64,7 +65,7 @@ def test_searching_on_where_scenarios_have_run_out_does_no_harm(paper: SortingMo
 TRAVEL = st.lists(st.sets(st.integers(0, 2)).map(sorted), min_size=3, max_size=3)
 
 
-@settings(deadline=None, max_examples=25, derandomize=True)
+@cases(25)
 @given(travel=TRAVEL, seed=SEEDS, h=st.integers(1, 2))
 def test_only_legal_actions(travel: list[list[int]], seed: int, h: int) -> None:
     model = random_model(seed, h=h, k=3, travel=travel, r_min=10)

@@ -4,11 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort import Belief, Decide, Despot, Move, SortingModel
 from beltsort.plan_tree import TreeNode
+from tests.laws import cases
 
 from .models import random_belief, random_model
 from .trees import nodes
@@ -49,14 +50,14 @@ def check(node: TreeNode, belief: Belief) -> None:
             check(branch["node"], after)
 
 
-@settings(deadline=None, max_examples=20, derandomize=True)
+@cases(20)
 @given(model=MODELS, seed=st.integers(0, 10_000))
 def test_every_belief_is_that_of_its_labels(model: SortingModel, seed: int) -> None:
     belief = random_belief(model, seed)
     check(Despot(model, scenarios=100, trials=60).plan(belief, 1).tree(3), belief)
 
 
-@settings(deadline=None, max_examples=10, derandomize=True)
+@cases(10)
 @given(model=MODELS, seed=st.integers(0, 10_000))
 def test_the_root_is_the_plan(model: SortingModel, seed: int) -> None:
     plan = Despot(model, scenarios=100, trials=60).plan(random_belief(model, seed), 1)

@@ -4,10 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort import Belief, Decide, InformationGain, Move, SortingModel, Threshold
+from tests.laws import cases
 
 from .models import random_belief, random_model
 
@@ -66,7 +67,7 @@ def test_decides_where_no_move_is_legal() -> None:
     assert Threshold(model, 1.0).act(belief, 0) == InformationGain(model, 1.0).act(belief, 0) == Decide(1)
 
 
-@settings(deadline=None, max_examples=40, derandomize=True)
+@cases(40)
 @given(seed=st.integers(0, 10_000), threshold=st.sampled_from([0.5, 0.7, 1.0]))
 def test_relabelling_the_classes_relabels_the_action(seed: int, threshold: float) -> None:
     model = random_model(seed, k=3)

@@ -6,18 +6,19 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from beltsort import Belief, ModelError, SortingModel
+from tests.laws import cases
 
 from .models import named, random_belief, random_model
 from .pomdp_reader import Pomdp, read_pomdp
 
 Floats = NDArray[np.float64]
 NOTHING = -1  # the last observation
-law = settings(deadline=None, max_examples=40, derandomize=True)
+law = cases(40)
 
 
 def exported(model: SortingModel) -> Pomdp:

@@ -5,11 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.errors import CloudError
 from beltsort.perception import read_cloud
+from tests.laws import cases
 from tests.perception.test_clouds import WRITERS
 
 PATCHES = st.tuples(st.floats(0.0, 1.0), st.binary(min_size=1, max_size=4))
@@ -35,13 +36,13 @@ def read_or_refuse(path: Path, content: bytes) -> None:
     assert len(cloud) > 0
 
 
-@settings(deadline=None, max_examples=200)
+@cases(200)
 @given(suffix=st.sampled_from(SUFFIXES), content=st.binary(max_size=300))
 def test_random_bytes(folder: Path, suffix: str, content: bytes) -> None:
     read_or_refuse(folder / f"random{suffix}", content)
 
 
-@settings(deadline=None, max_examples=300)
+@cases(300)
 @given(
     name=st.sampled_from(sorted(WRITERS)),
     changes=st.lists(
@@ -58,14 +59,14 @@ def test_mutated_files(folder: Path, name: str, changes: list[tuple[float, bytes
     read_or_refuse(folder / f"mutated-{name}", bytes(content))
 
 
-@settings(deadline=None, max_examples=150)
+@cases(150)
 @given(name=st.sampled_from(sorted(WRITERS)), share=st.floats(0.0, 1.0))
 def test_truncated_files(folder: Path, name: str, share: float) -> None:
     content = (folder / name).read_bytes()
     read_or_refuse(folder / f"truncated-{name}", content[: int(share * len(content))])
 
 
-@settings(deadline=None, max_examples=150)
+@cases(150)
 @given(
     name=st.sampled_from(["text.pcd", "binary.pcd", "compressed.pcd", "text.ply", "binary.ply"]),
     number=st.sampled_from([b"0", b"-1", b"49", b"51", b"1e3", b"4294967296", b"9" * 30, b"x", b""]),

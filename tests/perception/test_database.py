@@ -9,12 +9,13 @@ from zipfile import ZIP_BZIP2, ZIP_DEFLATED, ZipFile
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.errors import DatabaseError
 from beltsort.perception import NearestNeighbour
 from beltsort.perception.database import MOST_ENTRIES
+from tests.laws import cases
 
 from .databases import database
 
@@ -204,7 +205,7 @@ def load_or_refuse(path: Path) -> None:
         assert loaded.match(database(seed=1).descriptors[0]).scores.sum() == pytest.approx(1.0)
 
 
-@settings(deadline=None, max_examples=100)
+@cases(100)
 @given(st.binary(max_size=400))
 def test_random_bytes_are_refused(path: Path, content: bytes) -> None:
     path.write_bytes(content)
@@ -212,7 +213,7 @@ def test_random_bytes_are_refused(path: Path, content: bytes) -> None:
         NearestNeighbour.load(path)
 
 
-@settings(deadline=None, max_examples=100)
+@cases(100)
 @given(
     st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), min_size=1, max_size=8),
     st.floats(0.0, 1.0),
@@ -231,7 +232,7 @@ def test_mutated_files_are_loaded_or_refused(
     load_or_refuse(path)
 
 
-@settings(deadline=None, max_examples=100)
+@cases(100)
 @given(
     st.dictionaries(
         st.sampled_from(["version", "classes", "config", "distance", "k", "reject"]),
@@ -250,7 +251,7 @@ def test_headers_of_any_json_are_loaded_or_refused(path: Path, changes: dict[str
     load_or_refuse(path)
 
 
-@settings(deadline=None, max_examples=100)
+@cases(100)
 @given(
     st.sampled_from(["descriptors.npy", "labels.npy", "header.npy"]),
     st.lists(st.tuples(st.integers(0, 200), st.integers(0, 255)), min_size=1, max_size=4),

@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell.simulated import ArmErrors, CellConfig, SensorNoise, SimulatedCell
 from beltsort.geometry import BeltLayout, look_at
 from beltsort.perception import Finding, PerceptionConfig, segment
 from beltsort.perception.sight import crossings, image_border, share_seen, touch
+from tests.laws import cases
 from tests.perception.belt_scene import Scene, SyntheticScan
 
 LAYOUT = BeltLayout()
@@ -110,7 +111,7 @@ def test_candidates_belong_to_positions_by_place_not_by_size(scene: Scene) -> No
     assert abs(first[:, 0].mean()) < 0.01
 
 
-@settings(deadline=None, max_examples=50)
+@cases(50)
 @given(radius=st.floats(0.01, 0.1), x=st.floats(-1.0, 1.0), covered=st.floats(-1.0, 1.0))
 def test_the_share_seen_of_a_disc(radius: float, x: float, covered: float) -> None:
     across = np.linspace(-1.2, 1.2, 97) * radius

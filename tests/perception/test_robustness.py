@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -13,6 +13,7 @@ from beltsort import _core
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points
 from beltsort.perception import Finding, UnitWarning, describe, oriented_normals, segment
+from tests.laws import cases
 from tests.perception.belt_scene import Scene, SyntheticScan
 
 LAYOUT = BeltLayout()
@@ -66,7 +67,7 @@ def test_degenerate_objects_are_segmented(scene: Scene, name: str) -> None:
     assert segment(scan, LAYOUT).findings[1] is Finding.EMPTY
 
 
-@settings(deadline=None, max_examples=100)
+@cases(100)
 @given(
     points=arrays.arrays(
         np.float64, st.tuples(st.integers(1, 40), st.just(3)), elements=st.floats(width=64, allow_nan=True)
@@ -119,7 +120,7 @@ def test_an_object_in_another_unit_is_told(scene: Scene) -> None:
         segment(scene.scan(scene.belt(), points), LAYOUT)
 
 
-@settings(deadline=None, max_examples=50)
+@cases(50)
 @given(seed=st.integers(0, 10_000), gap=st.floats(0.05, 0.5))
 def test_clusters_lie_apart_and_do_not_depend_on_order(seed: int, gap: float) -> None:
     rng = np.random.default_rng(seed)

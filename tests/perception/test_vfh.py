@@ -5,13 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.errors import CloudError
 from beltsort.experiments.plain_vfh import plain_vfh
 from beltsort.geometry import Points
 from beltsort.perception import vfh, vfh_batch
+from tests.laws import cases
 
 FIXTURES = sorted((Path(__file__).parents[1] / "fixtures" / "vfh_pcl").glob("*.npz"))
 OPTION_SETS: dict[str, dict[str, bool]] = {
@@ -48,7 +49,7 @@ def points_moved(a: Points, b: Points, n: int) -> float:
     return float(np.abs(a - b).sum() / 2.0 / (100.0 / (n - 1)))
 
 
-@settings(deadline=None, max_examples=60)
+@cases(60)
 @given(seed=st.integers(0, 10_000), n=st.integers(3, 300), chosen=st.sets(st.sampled_from(OPTIONS)))
 def test_equals_the_plain_version(seed: int, n: int, chosen: set[str]) -> None:
     points, normals = bump(seed, n)
@@ -96,7 +97,7 @@ def test_equals_pcl_within_three_points(fixture: Path, options: str) -> None:
     assert np.abs(ours - stored[options]).sum() / 2.0 <= 3.0 * increment
 
 
-@settings(deadline=None, max_examples=30)
+@cases(30)
 @given(seed=st.integers(0, 10_000))
 def test_order_of_points_does_not_matter(seed: int) -> None:
     points, normals = bump(seed)
@@ -105,7 +106,7 @@ def test_order_of_points_does_not_matter(seed: int) -> None:
     assert points_moved(vfh(points, normals, viewpoint=CAMERA), shuffled, len(points)) <= 1.0
 
 
-@settings(deadline=None, max_examples=30)
+@cases(30)
 @given(seed=st.integers(0, 10_000), angle=st.floats(-3.0, 3.0))
 def test_rotation_about_the_viewing_axis_does_not_matter(seed: int, angle: float) -> None:
     points, normals = bump(seed)
@@ -115,7 +116,7 @@ def test_rotation_about_the_viewing_axis_does_not_matter(seed: int, angle: float
     assert points_moved(vfh(points, normals, viewpoint=CAMERA), turned, len(points)) <= 1.0
 
 
-@settings(deadline=None, max_examples=30)
+@cases(30)
 @given(seed=st.integers(0, 10_000), angle=st.floats(-3.0, 3.0), step=st.floats(-2.0, 2.0))
 def test_a_rigid_motion_of_everything_does_not_matter(seed: int, angle: float, step: float) -> None:
     points, normals = bump(seed)
@@ -124,7 +125,7 @@ def test_a_rigid_motion_of_everything_does_not_matter(seed: int, angle: float, s
     assert points_moved(vfh(points, normals, viewpoint=CAMERA), moved, len(points)) <= 1.0
 
 
-@settings(deadline=None, max_examples=30)
+@cases(30)
 @given(seed=st.integers(0, 10_000), unit=st.sampled_from([0.001, 0.0254, 10.0, 1000.0]))
 def test_unit_of_length_matters_to_pcl_only(seed: int, unit: float) -> None:
     points, normals = bump(seed)

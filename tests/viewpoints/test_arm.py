@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from beltsort import ArgumentError
@@ -14,10 +14,11 @@ from beltsort.geometry import Pose, look_at, on_sphere
 from beltsort.viewpoints import map_viewpoints
 from beltsort.viewpoints.arm import Arm
 from beltsort.viewpoints.robots import ROBOTS, robot_urdf
+from tests.laws import cases
 
 from .gantry import TIP, depth_inside, gantry
 
-law = settings(deadline=None, max_examples=40, derandomize=True)
+law = cases(40)
 
 BASE = (-0.4, 0.1, 0.0, 20.0)
 LENGTHS = st.floats(-0.4, 0.4)

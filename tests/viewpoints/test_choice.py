@@ -3,14 +3,15 @@
 from itertools import combinations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.geometry import Points
 from beltsort.viewpoints import Sampling
 from beltsort.viewpoints.choice import well_spread
+from tests.laws import cases
 
-law = settings(deadline=None, max_examples=40, derandomize=True)
+law = cases(40)
 
 
 def angles(points: Points) -> np.ndarray:

@@ -2,15 +2,16 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.geometry import Points, on_sphere
 from beltsort.viewpoints import Sampling
 from beltsort.viewpoints.graph import BEARINGS, Edges, bearings, components, neighbour_edges, steps_from
 from beltsort.viewpoints.sphere import METHODS
+from tests.laws import cases
 
-law = settings(deadline=None, max_examples=40, derandomize=True)
+law = cases(40)
 
 SAMPLINGS = st.builds(
     Sampling, method=st.sampled_from(METHODS), count=st.integers(1, 40), seed=st.integers(0, 2**32)

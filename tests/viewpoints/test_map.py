@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import beltsort
@@ -15,8 +15,9 @@ from beltsort.geometry import Points, Pose, on_sphere
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from beltsort.viewpoints.graph import Edges
 from beltsort.viewpoints.sphere import METHODS
+from tests.laws import cases
 
-law = settings(deadline=None, max_examples=40, derandomize=True)
+law = cases(40)
 
 SAMPLINGS = st.builds(
     Sampling, method=st.sampled_from(METHODS), count=st.integers(12, 60), seed=st.integers(0, 2**32)

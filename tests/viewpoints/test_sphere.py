@@ -5,15 +5,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort import ArgumentError
 from beltsort.geometry import SphereViewpoint, direction_of, look_at, on_sphere
 from beltsort.viewpoints import Sampling
 from beltsort.viewpoints.sphere import METHODS
+from tests.laws import cases
 
-law = settings(deadline=None, max_examples=60, derandomize=True)
+law = cases(60)
 
 SAMPLINGS = st.builds(
     Sampling,

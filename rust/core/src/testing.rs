@@ -1,19 +1,29 @@
 //! Models and oracles for the tests of several rooms.
 
+mod exact;
+
+use std::hash::{BuildHasher, Hasher, RandomState};
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::belief::Belief;
 use crate::model::{ModelSpec, ScalarOrMatrix, SortingModel};
+pub(crate) use exact::{Exact, tiny_beliefs, tiny_models};
 
-/// Property tests draw the same cases on every machine.
+/// Property tests draw the same cases on every machine. `BELTSORT_LAWS=1` (`make laws`) draws ten times as many, from
+/// the seed in `PROPTEST_RNG_SEED` or another one each time; a test that fails prints it.
 pub(crate) fn seeded(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(2019),
-        failure_persistence: None,
-        ..ProptestConfig::default()
+    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    if std::env::var("BELTSORT_LAWS").is_ok_and(|value| value == "1") {
+        let seed = match config.rng_seed {
+            RngSeed::Fixed(seed) => seed,
+            RngSeed::Random => RandomState::new().build_hasher().finish(),
+        };
+        eprintln!("PROPTEST_RNG_SEED={seed}");
+        return ProptestConfig { cases: 10 * cases, rng_seed: RngSeed::Fixed(seed), ..config };
     }
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(2019), ..config }
 }
 
 /// The paper's model, with another penalty.

@@ -3,7 +3,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::belief::Belief;
 use crate::testing::{
-    all_labels, belief_of, belts, enumerable_models, enumerated_value, seeded, small_models,
+    Exact, all_labels, belief_of, belts, enumerable_models, enumerated_value, seeded, small_models,
+    tiny_beliefs, tiny_models,
 };
 
 impl Foresight {
@@ -66,6 +67,43 @@ proptest! {
             }
             let best = lower(&model, &policy, posterior.known(), 0);
             prop_assert!(scan.value_after(&z) <= best + 1e-9, "plans chosen later are no worse");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(seeded(24))]
+
+    #[test]
+    fn bounds_bracket_the_value_to_a_millionth(
+        tiny in tiny_models(1..=2),
+        weights in tiny_beliefs(),
+        observe in any::<bool>(),
+    ) {
+        let tiny = tiny.observing(observe);
+        let (model, exact) = (&tiny.model, Exact::new(&tiny));
+        let policy = OneObjectPolicy::solve(model);
+        for belief in [Belief::new(model), belief_of(model, &weights)] {
+            for remaining in [None, Some(1), Some(2), Some(3)] {
+                let belief = belief.clone().with_remaining(remaining);
+                for (viewpoint, (at_least, at_most)) in exact.bounds(&belief).into_iter().enumerate() {
+                    let low = lower(model, &policy, belief.known(), viewpoint);
+                    let high = upper(model, belief.known(), viewpoint);
+                    prop_assert!(low <= at_most + 1e-9, "{belief:?}: {low} above V* = {at_most}");
+                    prop_assert!(high >= at_least - 1e-9, "{belief:?}: {high} below V* = {at_least}");
+                }
+            }
+        }
+    }
+
+    /// One object at a time is all there is to one position: the policy is as good as its plans are many.
+    #[test]
+    fn the_one_object_policy_is_nearly_optimal_for_one_position(tiny in tiny_models(1..=1)) {
+        let (model, belief) = (&tiny.model, Belief::new(&tiny.model));
+        let policy = OneObjectPolicy::solve(model);
+        for (viewpoint, (at_least, _)) in Exact::new(&tiny).bounds(&belief).into_iter().enumerate() {
+            let low = lower(model, &policy, belief.known(), viewpoint);
+            prop_assert!(low >= at_least - 1e-2 * model.spec().r_max, "{low} far below V* = {at_least}");
         }
     }
 }

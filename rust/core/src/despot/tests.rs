@@ -6,8 +6,8 @@ use crate::bounds::{self, Foresight, Sighting};
 use crate::model::{Action, ModelSpec};
 use crate::scenario::LabelPlanes;
 use crate::testing::{
-    all_labels, belief_of, belts, enumerable_models, enumerated_value, from_weights, models_in_full, paper,
-    seeded, small_models,
+    Exact, all_labels, belief_of, belts, enumerable_models, enumerated_value, from_weights, models_in_full,
+    paper, seeded, small_models, tiny_beliefs, tiny_models,
 };
 use crate::tree::id;
 
@@ -164,6 +164,31 @@ proptest! {
             let plan = despot.plan(&belief, 0, Budget::Trials(trials)).unwrap();
             prop_assert!(plan.certified_lower.is_none_or(|lower| lower <= at_most + 1e-9));
             prop_assert!(plan.certified_upper >= at_least - 1e-9);
+        }
+    }
+
+    #[test]
+    fn certified_bounds_enclose_the_value_to_a_millionth(
+        tiny in tiny_models(1..=2),
+        weights in tiny_beliefs(),
+        observe in any::<bool>(),
+        remaining in belts(),
+        scenarios in prop_oneof![Just(3_usize), Just(200)],
+        lambda in prop_oneof![Just(0.0), Just(0.1)],
+    ) {
+        let tiny = tiny.observing(observe);
+        let exact = Exact::new(&tiny);
+        let despot = Despot::new(&tiny.model, config(scenarios, lambda, 50)).unwrap();
+        for belief in [Belief::new(&tiny.model), belief_of(&tiny.model, &weights)] {
+            let belief = belief.with_remaining(remaining);
+            for (viewpoint, (at_least, at_most)) in exact.bounds(&belief).into_iter().enumerate() {
+                for trials in [1, 10, 100] {
+                    let plan = despot.plan(&belief, viewpoint, Budget::Trials(trials)).unwrap();
+                    let (lower, upper) = (plan.certified_lower.unwrap(), plan.certified_upper);
+                    prop_assert!(lower <= at_most + 1e-9, "{belief:?}: {lower} above V* = {at_most}");
+                    prop_assert!(upper >= at_least - 1e-9, "{belief:?}: {upper} below V* = {at_least}");
+                }
+            }
         }
     }
 

@@ -7,7 +7,10 @@ use super::evaluation::policy_value;
 use super::graph::{BeliefGraph, ROOT};
 use super::reach::Reach;
 use super::*;
-use crate::testing::{belief_of, enumerable_models, enumerated_value, from_weights, paper, seeded};
+use crate::testing::{
+    Exact, belief_of, enumerable_models, enumerated_value, from_weights, paper, seeded, tiny_beliefs,
+    tiny_models,
+};
 
 fn solve(model: &SortingModel, milliseconds: u64) -> Solution {
     Solution::solve(model, Duration::from_millis(milliseconds), &AtomicBool::new(false), &mut |_, _| {})
@@ -37,6 +40,37 @@ proptest! {
             prop_assert!(lower <= at_most, "lower bound {lower} above V* <= {at_most}");
             prop_assert!(upper >= at_least, "upper bound {upper} below V* >= {at_least}");
         }
+    }
+
+    #[test]
+    fn certificates_enclose_the_value_to_a_millionth(
+        tiny in tiny_models(1..=2),
+        beliefs in prop::collection::vec(tiny_beliefs(), 3),
+    ) {
+        let (model, exact) = (&tiny.model, Exact::new(&tiny));
+        let solution = solve(model, 100);
+        let (at_least, at_most) = exact.bounds(&Belief::new(model))[0];
+        let (lower, upper) = (solution.lower, solution.upper);
+        prop_assert!(lower <= at_most && upper >= at_least, "[{lower}, {upper}] without V* = {at_least}");
+        let start = std::iter::once(Belief::new(model));
+        for belief in start.chain(beliefs.iter().map(|weights| belief_of(model, weights))) {
+            for (viewpoint, (at_least, at_most)) in exact.bounds(&belief).into_iter().enumerate() {
+                let (lower, upper) = solution.bounds(&belief, viewpoint).unwrap();
+                prop_assert!(lower <= at_most, "{belief:?}: {lower} above V* = {at_most}");
+                prop_assert!(upper >= at_least, "{belief:?}: {upper} below V* = {at_least}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_certificate_of_one_position_is_tight(tiny in tiny_models(1..=1)) {
+        let model = &tiny.model;
+        let solution = solve(model, 500);
+        let (lower, upper) = (solution.lower, solution.upper);
+        let (at_least, at_most) = Exact::new(&tiny).bounds(&Belief::new(model))[0];
+        prop_assert!(lower <= at_most && upper >= at_least, "[{lower}, {upper}] without V* = {at_least}");
+        // Where viewpoints differ the upper bound is the closed form, lowered by search.
+        prop_assert!(!all_alike(model) || upper - lower < 1e-3 * model.spec().r_max, "[{lower}, {upper}]");
     }
 }
 
