@@ -17,7 +17,7 @@ def public_things() -> Iterator[tuple[str, Any]]:
         thing = getattr(beltsort, name)
         yield name, thing
         if inspect.isclass(thing):
-            for member, value in vars(thing).items():
+            for member, value in sorted(vars(thing).items()):  # the same in every process
                 if not member.startswith("_") and member not in INHERITED:
                     yield f"{name}.{member}", value
 
