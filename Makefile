@@ -26,9 +26,7 @@ dev: .venv/extension-dev  ## the same, compiled in seconds after an edit; it pla
 demo: build  ## run the main job: beltsort demo $(ARGS)
 	$(bin)/beltsort demo $(ARGS)
 
-check: .venv/extension-any venv  ## after an edit: linters, types, the core's tests, Python tests without processes
-	cargo clippy --workspace --all-targets -- -D warnings
-	cargo test
+check: .venv/checked-rust .venv/extension-any venv  ## after an edit: linters, types, tests without processes or seconds
 	$(MAKE) lint-python
 	$(bin)/python -m mypy
 	$(pytest) -m "not process and not slow and not soak"
@@ -102,3 +100,9 @@ clean:  ## remove everything made by this file (runs/ stays)
 
 .venv/extension-any: .venv/installed $(rust_sources)
 	$(MAKE) dev
+
+.venv/checked-rust: clippy.toml rustfmt.toml $(rust_sources) | venv
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets -- -D warnings
+	cargo test
+	@touch $@

@@ -74,6 +74,7 @@ def unaccounted(files: Iterator[Path]) -> list[str]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("folder", ["beltsort", "tests", "benchmarks", "examples"])
 def test_every_module_that_is_loaded_is_installed_by_something(folder: str) -> None:
     assert unaccounted((ROOT / folder).rglob("*.py")) == []

@@ -14,6 +14,8 @@ import pytest
 from beltsort.experiments.belief_figure import belief_over_time
 from beltsort.journal import read_journal
 
+pytestmark = pytest.mark.process
+
 SMALL = ["--training-objects", "3", "--objects-per-row", "3"]
 
 

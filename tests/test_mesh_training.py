@@ -48,6 +48,7 @@ def test_one_class_of_meshes_is_refused_before_anything_is_scanned(tmp_path: Pat
         train_from_meshes(tmp_path, objects=10**9)
 
 
+@pytest.mark.slow
 def test_the_command_trains_what_the_library_does(tmp_path: Path) -> None:
     write_stl(tmp_path / "meshes" / "thick.stl", 0.035, 0.09)
     write_stl(tmp_path / "meshes" / "thin.stl", 0.012, 0.14)

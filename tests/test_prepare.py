@@ -31,6 +31,8 @@ from beltsort.tables.prepare import (
 )
 from beltsort.tables.processes import Progress
 
+pytestmark = pytest.mark.process
+
 
 @dataclass
 class Stages:

@@ -32,6 +32,8 @@ from beltsort.tables.log import Labels
 from beltsort.tables.rounds import Round
 from tests.waiting import alive, wait_until
 
+pytestmark = pytest.mark.process
+
 CLASSES, VIEWPOINTS = ("lamp", "tube"), ("low", "high")
 
 

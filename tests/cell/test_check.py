@@ -54,6 +54,7 @@ def test_the_first_failure_ends_the_visits(tmp_path: Path) -> None:
     assert "move_to" in failure
 
 
+@pytest.mark.slow
 def test_bad_scans_are_beyond_the_limits(tmp_path: Path) -> None:
     for kind in ("empty_scan", "nan_scan"):
         found = check_cell(composed(tmp_path, fault("scan", 2, kind)), described(tmp_path).check)
@@ -76,6 +77,7 @@ def test_nothing_moves_while_a_device_is_not_ready(tmp_path: Path) -> None:
     assert {recorded.call.name for recorded in calls} == {"health"}
 
 
+@pytest.mark.slow
 def test_checks_do_not_repeat_each_others_commands(tmp_path: Path) -> None:
     calls: list[Recorded] = []
     cell = composed(tmp_path, record=calls.append)

@@ -31,6 +31,8 @@ from beltsort.errors import CellError
 from tests.contract.peers import ModbusPeer, ModbusTlsPeer
 from tests.laws import cases
 
+pytestmark = pytest.mark.process
+
 u16, u32, i32 = st.integers(0, 2**16 - 1), st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1)
 keys = st.integers(0, 2**63 - 1)
 requests = st.builds(Request, u16, st.sampled_from(Verb), i32, keys)

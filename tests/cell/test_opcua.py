@@ -21,6 +21,8 @@ from beltsort.cell.opcua.nodes import NAMESPACE, REQUEST, node_id
 from beltsort.errors import CellError
 from tests.contract.peers import OpcuaPeer
 
+pytestmark = pytest.mark.process
+
 ENDPOINT = "opc.tcp://127.0.0.1:4840/beltsort"
 
 

@@ -17,6 +17,8 @@ from beltsort.perception import PerceptionConfig, describe, segment
 
 from .running import PAPER, command, json_of, output
 
+pytestmark = pytest.mark.process
+
 
 def test_bench_as_json() -> None:
     facts = json_of("bench", "--seconds", "0.2", "--model", PAPER)

@@ -15,6 +15,8 @@ import beltsort
 
 from .running import PAPER, command, json_of, output
 
+pytestmark = pytest.mark.process
+
 QUICK = ["--batches", "20"]
 
 

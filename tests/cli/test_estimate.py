@@ -20,6 +20,8 @@ from beltsort.tables.log import LabelLog
 from tests.cli.running import command
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.process
+
 
 @pytest.fixture(scope="module")
 def config() -> CellConfig:

@@ -14,6 +14,8 @@ from beltsort.explanation import explain
 
 from .running import PAPER, command, json_of, output
 
+pytestmark = pytest.mark.process
+
 SEEN = ("plan", PAPER, "--observe", "p3=mushroom,standard", "--trials", "200")
 
 

@@ -3,9 +3,13 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from beltsort import SortingModel
 
 from .running import PAPER, command, json_of, output
+
+pytestmark = pytest.mark.process
 
 
 def test_export_writes_what_the_library_writes(tmp_path: Path) -> None:

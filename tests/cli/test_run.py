@@ -25,6 +25,8 @@ from tests.cell.cell_files import changed
 from tests.cli.running import command
 from tests.contract.peers import OpcuaPeer
 
+pytestmark = pytest.mark.process
+
 REAL = dataclasses.replace(BACKEND, harmless=False)
 """The simulated cell, taken for a real one."""
 

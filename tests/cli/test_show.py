@@ -14,6 +14,8 @@ from tests.loop.killed_run import OBJECTS, run
 
 from .running import command, json_of, output
 
+pytestmark = pytest.mark.process
+
 
 @pytest.fixture(scope="module")
 def sorted_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, SortingReport]:

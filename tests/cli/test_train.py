@@ -16,6 +16,8 @@ from tests.perception.cloud_folders import SHAPES, cloud, cloud_folder
 
 from .running import command, json_of, output
 
+pytestmark = pytest.mark.process
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -10,6 +10,8 @@ from tests.contract.peer import Peer, ProcessPeer
 from tests.contract.peers import EVERY, IN_PROCESS, POSED, PROCESSES, REFUSING
 from tests.contract.ros1_peer import Ros1Peer
 
+pytestmark = pytest.mark.process
+
 
 @benches(EVERY)
 def test_a_command_is_done_when_it_returns(bench: Bench[Peer]) -> None:

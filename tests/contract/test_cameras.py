@@ -16,6 +16,8 @@ from tests.contract.peer import Peer, SeeingPeer
 from tests.contract.peers import EVERY, PROCESSES
 from tests.contract.ros1_peer import Ros1Peer
 
+pytestmark = pytest.mark.process
+
 
 def cameras(kinds: Iterable[type[Peer]]) -> pytest.MarkDecorator:
     seeing = [kind for kind in kinds if issubclass(kind, SeeingPeer)]

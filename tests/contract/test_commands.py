@@ -6,6 +6,8 @@ from beltsort.cell import CommandError, Outcome
 from tests.contract.bench import new_id
 from tests.contract.peer import BeltAndSorter
 
+pytestmark = pytest.mark.process
+
 
 def test_a_command_is_done_when_it_returns(device: BeltAndSorter) -> None:
     assert device.health().ready

@@ -112,6 +112,7 @@ def test_a_command_that_is_late_before_the_question_acts() -> None:
     assert station.bins == (0, 0, 1, 0, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unanswered", [1, 2, 3])
 def test_requests_that_act_unanswered_do_not_block_the_next(unanswered: int) -> None:
     station = Station()

@@ -12,6 +12,8 @@ from tests.contract.bench import begun, error_of, named, new_id
 from tests.contract.peer import PATIENCE
 from tests.contract.peers import LONG_WAY, ServerPeer
 
+pytestmark = pytest.mark.process
+
 
 @pytest.fixture(autouse=True)
 def noted(request: pytest.FixtureRequest, account: Account) -> None:

@@ -24,6 +24,7 @@ def facts(plan: Plan) -> tuple[object, ...]:
     return plan.action, plan.values, plan.lower, plan.upper, certified, *counters, plan.tree(2)
 
 
+@pytest.mark.slow
 def test_trials_are_reproducible_for_any_number_of_threads(paper: SortingModel) -> None:
     belief = random_belief(paper, 1)
     plans = []
@@ -34,6 +35,7 @@ def test_trials_are_reproducible_for_any_number_of_threads(paper: SortingModel) 
     assert facts(Despot(paper, scenarios=2000, seed=4, trials=700).plan(belief, 1)) != facts(plans[0])
 
 
+@pytest.mark.slow
 @cases(8)
 @given(seed=SEEDS, regularization=st.sampled_from([0.0, 0.1]))
 def test_bounds_tighten_with_trials(seed: int, regularization: float) -> None:
@@ -50,6 +52,7 @@ def test_bounds_tighten_with_trials(seed: int, regularization: float) -> None:
         assert plan.certified_lower <= plan.certified_upper
 
 
+@pytest.mark.slow
 def test_searching_on_where_scenarios_have_run_out_does_no_harm(paper: SortingModel) -> None:
     planner = Despot(paper, scenarios=3, trials=200)
     at_root = planner.plan(Belief(paper))
@@ -98,6 +101,7 @@ def test_decisions_differ_by_their_expected_reward(paper: SortingModel) -> None:
     )
 
 
+@pytest.mark.slow
 def test_budgets(paper: SortingModel) -> None:
     belief = Belief(paper)
     assert Despot(paper, trials=7).plan(belief).trials == 7
@@ -125,6 +129,7 @@ def test_planning_releases_the_gil(paper: SortingModel) -> None:
         Despot(paper).plan(Belief(paper), seconds=20.0)
 
 
+@pytest.mark.slow
 def test_plans_from_many_threads_at_once(paper: SortingModel) -> None:
     planner = Despot(paper, trials=100)
     beliefs = [random_belief(paper, seed % 8) for seed in range(32)]
@@ -134,6 +139,7 @@ def test_plans_from_many_threads_at_once(paper: SortingModel) -> None:
     assert together == alone * 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("budget", [{"seconds": 100_000.0}, {"trials": 10**9}])
 @pytest.mark.parametrize("threads", [1, 4])
 def test_control_c_ends_a_plan_and_nothing_else(

@@ -50,6 +50,7 @@ def check(node: TreeNode, belief: Belief) -> None:
             check(branch["node"], after)
 
 
+@pytest.mark.slow
 @cases(20)
 @given(model=MODELS, seed=st.integers(0, 10_000))
 def test_every_belief_is_that_of_its_labels(model: SortingModel, seed: int) -> None:
@@ -87,6 +88,7 @@ def test_depth(paper: SortingModel) -> None:
     assert sizes[-1] == plan.nodes
 
 
+@pytest.mark.slow
 def test_a_tree_outlives_its_planner(paper: SortingModel) -> None:
     planner = Despot(paper, trials=100)
     plan = planner.plan(Belief(paper))

@@ -7,6 +7,7 @@ true model's exact belief, so that small samples suffice; margins are several st
 from typing import Any
 
 import numpy as np
+import pytest
 
 from beltsort import Belief, Decide, Despot, Move, Policy, SortingModel, compare, evaluate
 from beltsort.comparison import Comparison, Difference
@@ -52,6 +53,7 @@ def gain(truth: SortingModel, believed: SortingModel) -> Difference:
     return compared(truth, believed).difference("told", "expected_discounted_returns")
 
 
+@pytest.mark.slow
 def test_the_arrival_prior() -> None:
     tables = [[0.75, 0.7], [0.7, 0.65]]
     assert gain(model(tables, 3, arrival=[0.8, 0.1, 0.1]), model(tables, 3)).z > 5
@@ -63,6 +65,7 @@ def test_costs_of_motion() -> None:
     assert gain(model(tables, motion_cost=[[5.0, 1.0], [5.0, 1.0]]), model(tables)).z > 5
 
 
+@pytest.mark.slow
 def test_restricted_travel() -> None:
     """The best viewpoint is a trap: it is left by way of a blind one only."""
     tables = [[0.75, 0.8, 0.5]]
@@ -76,6 +79,7 @@ def test_a_scan_after_each_decision() -> None:
     assert gain(truth, model(tables, motion_cost=cost)).z > 5
 
 
+@pytest.mark.slow
 def test_repeated_labels() -> None:
     tables = [[0.85, 0.8]]
     assert gain(model(tables, repeat=0.6), model(tables)).z > 5
@@ -98,6 +102,7 @@ def overconfidence(believed: SortingModel, truth: SortingModel) -> Difference:
     return Difference(float(np.mean(believes) - right), float(np.sqrt(right * (1 - right) / 1000)))
 
 
+@pytest.mark.slow
 def test_repeated_labels_do_not_make_overconfident() -> None:
     tables = [[0.85, 0.8]]
     truth = model(tables, repeat=0.6)
@@ -117,6 +122,7 @@ def test_an_empty_cup_is_a_class_like_another() -> None:
     assert results[0].returns.tolist() == results[1].returns.tolist()
 
 
+@pytest.mark.slow
 def test_the_end_of_the_belt(paper: SortingModel) -> None:
     truth = paper.replace(r_min=5)
     planner = Despot(truth, **BUDGET)

@@ -27,6 +27,7 @@ def solution(paper: SortingModel) -> Solution:
     return solved_until(within(0.005), paper.with_positions(1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threshold", [0.8, 0.97, 0.999])
 def test_regret_is_what_a_policy_falls_short_of_the_optimum(solution: Solution, threshold: float) -> None:
     model = solution.model

@@ -31,6 +31,7 @@ def test_one_position_is_solved() -> None:
     assert solution.upper >= 17.4955
 
 
+@pytest.mark.slow
 def test_bounds_tighten_and_enclose_what_a_policy_earns() -> None:
     heard: list[tuple[float, float]] = []
 
@@ -122,6 +123,7 @@ def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
         Solution.load(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_planner_that_knows_a_solution_plans_the_same_with_a_tighter_certificate(tmp_path: Path) -> None:
     path = tmp_path / "paper.solution"
     belief = Belief(PAPER)

@@ -47,6 +47,7 @@ class Planning:
         return action
 
 
+@pytest.mark.slow
 def test_a_users_policy_is_asked_one_question_at_a_time(paper: SortingModel) -> None:
     assert evaluate(paper, Planning(paper), batches=8).steps.shape == (8,)
 

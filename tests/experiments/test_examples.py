@@ -12,6 +12,8 @@ import pytest
 
 from beltsort.experiments import paper
 
+pytestmark = pytest.mark.process
+
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "examples"
 SAYS = {

@@ -23,6 +23,8 @@ from tests.waiting import wait_until
 
 from .tiny import SEED, TINY
 
+pytestmark = pytest.mark.process
+
 ROOT = Path(__file__).parents[2]
 FIGURES = {
     "figure_1_sphere", "figure_1_clouds", "figure_2_propagation", "figure_3_run", "figure_4_one_position",

@@ -85,12 +85,14 @@ def faultless(tmp_path_factory: pytest.TempPathFactory) -> SortingReport:
 WRONG = (2, 4, 6, 8)
 
 
+@pytest.mark.slow
 def test_unnoticed_labels_are_taken_for_those_of_another_viewpoint(tmp_path: Path) -> None:
     report, entries = run(tmp_path, WRONG, UNWATCHED)
     assert of_kind(entries, "wrong_viewpoint") == []
     assert [decision.label for decision in report.decisions] != TRUE
 
 
+@pytest.mark.slow
 def test_noticed_the_run_is_as_if_nothing_had_happened(tmp_path: Path, faultless: SortingReport) -> None:
     report, entries = run(tmp_path, WRONG)
     assert report == faultless, "decisions, beliefs, looks and steps"
@@ -104,6 +106,7 @@ def test_noticed_the_run_is_as_if_nothing_had_happened(tmp_path: Path, faultless
     assert re.search(r"wrong viewpoint\b.*\bp\d\b", told[0])
 
 
+@pytest.mark.slow
 def test_the_move_is_repeated_once_under_a_new_id_then_the_run_is_held(
     tmp_path: Path, faultless: SortingReport
 ) -> None:
@@ -125,6 +128,7 @@ def test_the_move_is_repeated_once_under_a_new_id_then_the_run_is_held(
         assert resume_sorting(composed(camera, [1]), perceive, planner(), journal) == faultless
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["wrong_viewpoint", "intent"])
 def test_a_run_killed_before_the_move_is_repeated_goes_on(
     tmp_path: Path, faultless: SortingReport, kind: str
@@ -144,6 +148,7 @@ def test_a_run_killed_before_the_move_is_repeated_goes_on(
         assert resume_sorting(composed(camera, []), perceive, planner(), journal) == faultless
 
 
+@pytest.mark.slow
 def test_a_snapshot_knows_of_it(tmp_path: Path, faultless: SortingReport) -> None:
     report, entries = run(tmp_path, WRONG, largest=8_000)
     assert report == faultless

@@ -14,6 +14,8 @@ from beltsort.report import SortingReport
 from beltsort.sorter import sort_objects
 from tests.loop.killed_run import MODEL, OBJECTS, FileWorld, perceive, planner, run
 
+pytestmark = pytest.mark.process
+
 KILLED = -9
 
 

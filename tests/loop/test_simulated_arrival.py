@@ -48,6 +48,7 @@ def data(journal: list[Entry], kind: str) -> list[dict[str, Any]]:
     return [entry.data for entry in journal if entry.kind == kind]
 
 
+@pytest.mark.slow
 def test_decisions_and_beliefs_are_those_of_the_faultless_run(tmp_path: Path, perception: Perception) -> None:
     report, journal = run(tmp_path / "faultless", perception, ())
     watched_report, watched = run(tmp_path / "watched", perception, WRONG)

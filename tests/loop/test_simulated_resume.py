@@ -47,6 +47,7 @@ def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> SortingReport:
     return run(tmp_path_factory.mktemp("whole"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("entry", [4, 8, 13, 21, 26])
 def test_the_same_scans_and_decisions(tmp_path: Path, entry: int, uninterrupted: SortingReport) -> None:
     with pytest.raises(KeyboardInterrupt):

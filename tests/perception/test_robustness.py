@@ -84,6 +84,7 @@ def test_any_numbers_are_a_scan_or_a_cloud_error(points: Points) -> None:
     assert len(segmented.findings) == LAYOUT.positions
 
 
+@pytest.mark.slow
 def test_ten_million_points_take_bounded_memory(scene: Scene) -> None:
     scan = scene.scan(scene.ellipsoid(0, ROUND))
     many = SyntheticScan(np.resize(scan.points, (10_000_000, 3)), scan.world_from_camera)

@@ -19,6 +19,8 @@ from tests.sweep.test_file import MODEL, PLANNER, load
 from tests.sweep.test_sweep import SCANS
 from tests.waiting import PATIENCE, wait_until
 
+pytestmark = pytest.mark.process
+
 POINTS = 20
 
 

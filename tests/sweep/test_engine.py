@@ -13,6 +13,8 @@ from beltsort.experiments.sweep.engine import run_points, version
 from beltsort.experiments.sweep.store import RowStore
 from tests.sweep import tasks
 
+pytestmark = pytest.mark.process
+
 POINTS = [{"x": x} for x in range(6)]
 ROWS = [{"x": x, "square": x * x} for x in range(6)]
 

@@ -26,6 +26,7 @@ def test_the_grid_is_the_product_of_its_axes(tmp_path: Path) -> None:
     assert all(point["model.motion_cost"] == 2.0 and point["tables.batches"] == 3 for point in points)
 
 
+@pytest.mark.slow
 def test_settings_of_despot_multiply_no_other_policy(tmp_path: Path) -> None:
     planner = '[planner]\npolicy = ["one-object", "despot:5"]\nscenarios = [50, 60]\n'
     points = load(tmp_path, MODEL + planner).points

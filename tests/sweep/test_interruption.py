@@ -12,6 +12,8 @@ from beltsort.experiments.sweep.store import FILE, RowStore
 from tests.sweep.gated_run import ALL, FREE, run
 from tests.waiting import PATIENCE, alive, wait_until
 
+pytestmark = pytest.mark.process
+
 
 def notes(folder: Path) -> list[list[str]]:
     path = folder / "notes"

@@ -17,6 +17,8 @@ from beltsort.experiments.sweep.run import Sweep
 from beltsort.experiments.sweep.store import RowStore
 from tests.sweep.test_file import MODEL, PLANNER, load
 
+pytestmark = pytest.mark.process
+
 TABLES = f"""
 seeds = 3
 {MODEL}

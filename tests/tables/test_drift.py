@@ -43,6 +43,7 @@ def scans_until_alarm(watch: DriftWatch, seed: int, tables: Sequence[NDArray[np.
     return len(tables)
 
 
+@pytest.mark.slow
 def test_false_alarms_are_as_rare_as_promised() -> None:
     scans, runs = 300, 100
     silent = [

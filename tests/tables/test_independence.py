@@ -57,6 +57,7 @@ def test_what_depends_is_found(broken: str, assumption: str) -> None:
         assert smallest(findings, other) > 0.01
 
 
+@pytest.mark.slow
 def test_independence_is_rarely_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "PERMUTATIONS", 99)
     runs = [independence(scans(seed, objects=20), seed) for seed in range(100)]

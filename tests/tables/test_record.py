@@ -33,6 +33,7 @@ def recording(recorded: Recording, tmp_path: Path) -> Recording:
     return read_recording(tmp_path)
 
 
+@pytest.mark.slow
 def test_recorded_scans_get_the_labels_of_live_ones(
     recorded: Recording, config: CellConfig, database: NearestNeighbour
 ) -> None:

@@ -47,6 +47,7 @@ def random_joints(model: pin.Model, seed: int) -> np.ndarray:
     return joints
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("last_joint", ["revolute", "continuous"])
 @law
 @given(
@@ -76,6 +77,7 @@ def test_what_a_robot_can_do_is_found_within_its_limits(robot: str) -> None:
         assert (joints <= model.upperPositionLimit).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_a_robot_far_away_reaches_nothing_and_a_near_one_its_side(robot: str) -> None:
     urdf, tip = robot_urdf(robot)

@@ -14,6 +14,8 @@ from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from ..cli.running import command, json_of
 from .gantry import TIP, gantry
 
+pytestmark = pytest.mark.process
+
 PNG = b"\x89PNG\r\n\x1a\n"
 
 

@@ -3,6 +3,10 @@
 import subprocess
 import sys
 
+import pytest
+
+pytestmark = pytest.mark.process
+
 SCRIPT = """
 import sys, beltsort, beltsort.cell, beltsort.cell.replay, beltsort.cell.ros1
 print(*sorted({"rosbags", "rospy", "genpy", "open3d"} & set(sys.modules)))

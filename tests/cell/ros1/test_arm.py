@@ -13,6 +13,8 @@ from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.process
+
 
 @pytest.fixture(scope="session")
 def shared_acting_arm(shared: Rig) -> Iterator[Ros1Arm]:

@@ -9,6 +9,8 @@ from beltsort.cell.ros1 import Ros1Belt
 from tests.cell.ros1.rig import Rig
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.process
+
 OBJECTS = count(10, 10)
 """The belt of all tests moves forward only."""
 

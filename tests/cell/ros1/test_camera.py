@@ -12,6 +12,8 @@ from beltsort.errors import CellError
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig
 
+pytestmark = pytest.mark.process
+
 
 def test_a_scan_is_what_was_published(camera: Ros1Camera) -> None:
     now = time.time()

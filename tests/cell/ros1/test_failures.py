@@ -18,6 +18,8 @@ from tests.cell.ros1.rig import Rig
 from tests.ports import HeldPort
 from tests.waiting import alive, wait_until
 
+pytestmark = pytest.mark.process
+
 
 def an_id() -> str:
     return uuid4().hex

@@ -11,6 +11,8 @@ from beltsort.cell.ros1.standstill import Motion, Standstill
 from beltsort.errors import CellError
 from tests.cell.ros1 import scene
 
+pytestmark = pytest.mark.process
+
 MASTER = "http://127.0.0.1:11311"
 
 

@@ -10,6 +10,8 @@ from beltsort.cell.ros1 import Ros1Sorter
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig
 
+pytestmark = pytest.mark.process
+
 
 @pytest.fixture(scope="module")
 def shared_sorter(shared: Rig) -> Iterator[Ros1Sorter]:
