@@ -65,7 +65,7 @@ proptest! {
         let (at_least, at_most) = Exact::new(&tiny).bounds(&Belief::new(model))[0];
         prop_assert!(lower <= at_most && upper >= at_least, "[{lower}, {upper}] without V* = {at_least}");
         // Where viewpoints differ the upper bound is the closed form, lowered by search.
-        prop_assert!(!all_alike(model) || upper - lower < 1e-3 * model.spec().r_max, "[{lower}, {upper}]");
+        prop_assert!(!all_alike(model) || upper - lower < 5e-3 * model.spec().r_max, "[{lower}, {upper}]");
     }
 }
 
