@@ -70,7 +70,7 @@ proptest! {
         let (at_least, at_most) = Exact::new(&tiny).bounds(&Belief::new(model))[0];
         prop_assert!(lower <= at_most && upper >= at_least, "[{lower}, {upper}] without V* = {at_least}");
         // Where viewpoints differ the upper bound is the closed form, lowered by search.
-        prop_assert!(!all_alike(model) || upper - lower < 1e-3 * model.spec().r_max, "[{lower}, {upper}]");
+        prop_assert!(!all_alike(model) || upper - lower < 5e-3 * model.spec().r_max, "[{lower}, {upper}]");
     }
 }
 
@@ -204,6 +204,36 @@ fn policies_of_the_graph_improve_and_stay_below_the_upper_bound() {
             let chained = policy_value(&model, &leaves.policy, graph, &reach, || false);
             assert!(chained <= graph.upper(ROOT));
         });
+    }
+}
+
+proptest! {
+    #![proptest_config(seeded(12))]
+
+    #[test]
+    fn what_search_finds_is_proved_however_early_it_is_stopped(tiny in tiny_models(1..=2), rounds in 1..12_usize) {
+        let model = &tiny.model;
+        prop_assume!(all_alike(model));
+        let (at_least, at_most) = Exact::new(&tiny).bounds(&Belief::new(model))[0];
+        let at_most = at_most + SLACK * model.spec().r_max;
+        with_searched(model, rounds, |graph, leaves| {
+            let reach = Reach::new(graph, model.discount());
+            let simple = AlphaVectors::chained(model, &leaves.policy, &[graph.belief(ROOT).0]);
+            prop_assert!(graph.upper(ROOT) >= at_least - SLACK * model.spec().r_max);
+            prop_assert!(policy_value(model, &leaves.policy, graph, &reach, || false) <= at_most);
+            for sweeps in [0, 1, 2, 3, 1000] {
+                let left = std::cell::Cell::new(sweeps);
+                let stop = || left.replace(left.get() - 1) == 0;
+                let mut controller = Controller::new(model, graph, &reach, &simple);
+                controller.evaluate(stop);
+                prop_assert!(controller.value() <= at_most, "{} above V* = {at_most}", controller.value());
+                controller.close();
+                left.set(sweeps);
+                controller.evaluate(stop);
+                prop_assert!(controller.value() <= at_most, "{} above V* = {at_most}", controller.value());
+            }
+            Ok(())
+        })?;
     }
 }
 

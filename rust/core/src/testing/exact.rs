@@ -70,7 +70,9 @@ pub(crate) fn tiny_models(positions: std::ops::RangeInclusive<usize>) -> impl St
         let (step, arrival, discount, r_min) = numbers;
         let (costs, alike, restricted) = moves;
         steps.truncate(h);
-        steps.iter_mut().for_each(|row| row.truncate(k));
+        for row in &mut steps {
+            row.truncate(k);
+        }
         TinyModel::new(step, steps, |spec| {
             (spec.r_min, spec.discount) = (r_min, discount);
             spec.arrival = Some(vec![arrival, 1.0 - arrival]);
