@@ -1,4 +1,4 @@
-"""The main job as a user runs it: real processes, real scans, a small classifier and small tables."""
+"""The main job as a user runs it: real processes, real scans, the classifier and tables of the package."""
 
 import json
 import os
@@ -15,9 +15,6 @@ from beltsort.experiments.belief_figure import belief_over_time
 from beltsort.journal import read_journal
 
 pytestmark = pytest.mark.process
-
-SMALL = ["--training-objects", "3", "--objects-per-row", "3"]
-
 
 def demo(folder: Path, cache: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
@@ -39,9 +36,8 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def first(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     folder = tmp_path_factory.mktemp("first")
-    done = demo(folder, cache, "--json", "--seed", "5", *SMALL)
+    done = demo(folder, cache, "--json", "--seed", "5")
     assert done.returncode == 0, done.stderr
-    assert "training 100 %" in done.stderr
     return folder, json.loads(done.stdout)
 
 
@@ -74,21 +70,21 @@ def test_same_seed_same_run_and_plain_lines_without_a_terminal(
     first: tuple[Path, dict[str, Any]], cache: Path, tmp_path: Path
 ) -> None:
     _, before = first
-    done = demo(tmp_path, cache, "--seed", "5", *SMALL)
+    done = demo(tmp_path, cache, "--seed", "5")
     assert done.returncode == 0, done.stderr
-    assert "from the cache: 3 scans per row" in done.stdout
+    assert "from the package: " in done.stdout
     assert f"{before['correct']} of 10 right in {before['steps']} steps" in done.stdout
     decided = re.findall(r"object +\d+ +decide (\w+)", done.stdout)
     assert decided == [d["decided"] for d in before["decisions"]]
 
 
 def test_other_seed_other_objects(first: tuple[Path, dict[str, Any]], cache: Path, tmp_path: Path) -> None:
-    other = json.loads(demo(tmp_path, cache, "--json", "--seed", "6", *SMALL).stdout)
+    other = json.loads(demo(tmp_path, cache, "--json", "--seed", "6").stdout)
     assert [d["true"] for d in other["decisions"]] != [d["true"] for d in first[1]["decisions"]]
 
 
 def test_interrupt_leaves_a_complete_journal(cache: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "beltsort", "demo", *SMALL]
+    command = [sys.executable, "-m", "beltsort", "demo"]
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache)}
     with subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True) as demo:
         assert demo.stdout is not None
@@ -108,7 +104,7 @@ def test_interrupt_leaves_a_complete_journal(cache: Path, tmp_path: Path) -> Non
 def test_bad_arguments_are_one_line(
     arguments: list[str], complaint: str, cache: Path, tmp_path: Path
 ) -> None:
-    done = demo(tmp_path, cache, *SMALL, *arguments)
+    done = demo(tmp_path, cache, *arguments)
     assert done.returncode == 2
     assert complaint in done.stderr
     assert len(done.stderr.splitlines()) == 1, "refused before anything is started"
@@ -117,7 +113,7 @@ def test_bad_arguments_are_one_line(
 
 def test_unwritable_run_folder_is_named(tmp_path: Path, cache: Path) -> None:
     (tmp_path / "runs").write_text("a file where the folder should be")
-    done = demo(tmp_path, cache, *SMALL)
+    done = demo(tmp_path, cache)
     assert done.returncode == 2
     assert "run folder runs" in done.stderr
     assert len(done.stderr.splitlines()) == 1

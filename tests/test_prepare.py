@@ -136,7 +136,10 @@ def test_the_command_makes_what_prepare_reads(tmp_path: Path, capsys: pytest.Cap
     folder = tmp_path / "made"
     command = ["prepare", "-o", str(folder), "--objects-per-row", "1", "--training-objects", "1"]
     assert main([*command, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    out, err = capsys.readouterr()
+    told = json.loads(out)
+    assert "training 100 %" in err
+    assert "tables 100 %" in err
     assert set(told["bytes"]) == {"about.json", "classifier.npz", "scans.npz"}
     recipe = Recipe(**SMALL)
     assert told["key"] == recipe.key()
