@@ -11,7 +11,7 @@ bin := .venv/bin
 rust_sources := Cargo.toml Cargo.lock $(shell find rust -type f)
 # More processes than cores: many tests wait for servers that they have started. A file's tests stay in one of them.
 # Their libraries share out no work of their own, which would only make them wait for each other.
-pytest := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(bin)/python -m pytest -n $(or $(WORKERS),4) --dist loadfile
+pytest := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(bin)/python -m pytest -n $(or $(WORKERS),4) --dist loadfile --no-loadscope-reorder
 
 .PHONY: help venv build dev demo check test test-rust lint-rust test-python lint-python types soak laws bench format wheel \
 	clean

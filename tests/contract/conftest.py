@@ -34,7 +34,7 @@ class Pool:
         return peer
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def pool(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pool]:
     with ExitStack() as stack:
         yield Pool(tmp_path_factory.mktemp("peers"), stack)

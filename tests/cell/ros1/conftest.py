@@ -9,7 +9,7 @@ from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig, require_ros
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
     require_ros()
     directory = tmp_path_factory.mktemp("ros")
@@ -27,19 +27,19 @@ def rig(shared: Rig) -> Rig:
     return shared
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def shared_camera(shared: Rig) -> Iterator[Ros1Camera]:
     with Ros1Camera(scene.camera_by_tf(shared.uri)) as camera:
         yield camera
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def shared_arm(shared: Rig) -> Iterator[Ros1Arm]:
     with Ros1Arm(scene.arm(shared.uri)) as arm:
         yield arm
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def shared_belt(shared: Rig) -> Iterator[Ros1Belt]:
     with Ros1Belt(scene.belt(shared.uri)) as belt:
         yield belt

@@ -16,7 +16,7 @@ from tests.waiting import wait_until
 pytestmark = pytest.mark.process
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def shared_acting_arm(shared: Rig) -> Iterator[Ros1Arm]:
     with Ros1Arm(scene.arm(shared.uri, action=True)) as arm:
         yield arm
