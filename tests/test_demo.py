@@ -16,6 +16,7 @@ from beltsort.journal import read_journal
 
 pytestmark = pytest.mark.process
 
+
 def demo(folder: Path, cache: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "beltsort", "demo", *arguments],

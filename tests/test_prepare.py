@@ -1,7 +1,7 @@
 """Classifier and tables of a cell: what comes with the package, and the cache."""
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.resources import as_file
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,8 @@ import beltsort
 from beltsort.cell.simulated import CellConfig
 from beltsort.cli import main
 from beltsort.errors import CellError
-from beltsort.perception import PerceptionConfig
-from beltsort.tables import collect_scans, collect_training
+from beltsort.perception import NearestNeighbour, PerceptionConfig
+from beltsort.tables import collect_scans, collect_training, count
 from beltsort.tables import prepare as module
 from beltsort.tables.prepare import (
     ABOUT,
@@ -30,6 +30,7 @@ from beltsort.tables.prepare import (
     read_scans,
 )
 from beltsort.tables.processes import Progress
+from beltsort.tables.scans import looks
 
 pytestmark = pytest.mark.process
 
@@ -45,11 +46,11 @@ class Stages:
         return lambda _done, _total: None
 
 
-SMALL = {"training_objects": 1, "table_objects": 1}
+SMALL = Recipe(training_objects=1, table_objects=1)
 
 
 def small(cache: Path, config: CellConfig | None = None) -> Prepared:
-    return prepare(Recipe(config or CellConfig(), **SMALL), cache=cache)
+    return prepare(replace(SMALL, config=config or CellConfig()), cache=cache)
 
 
 def packaged(recipe: Recipe | None = None) -> Prepared | None:
@@ -97,6 +98,18 @@ def test_the_code_still_gives_the_labels_of_the_package() -> None:
     assert sum(a == b for a, b in labels) >= 0.95 * len(labels), REMEDY
 
 
+@pytest.fixture
+def made_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have a few entries of the package made in place of new ones: the cache does not care."""
+    packaged = prepare().database
+    few = NearestNeighbour.train(packaged.descriptors[:9], packaged.labels[:9], packaged.classes)
+    with as_file(PACKAGED / SCANS) as path:
+        scans = read_scans(path)[:8]
+    monkeypatch.setattr(module, "collect_training", lambda *_, **__: few)
+    monkeypatch.setattr(module, "collect_scans", lambda *_, **__: scans)
+
+
+@pytest.mark.usefixtures("made_at_once")
 def test_cache_is_used_mended_and_keyed_by_the_recipe(tmp_path: Path) -> None:
     made = small(tmp_path)
     again = small(tmp_path)
@@ -141,11 +154,14 @@ def test_the_command_makes_what_prepare_reads(tmp_path: Path, capsys: pytest.Cap
     assert "training 100 %" in err
     assert "tables 100 %" in err
     assert set(told["bytes"]) == {"about.json", "classifier.npz", "scans.npz"}
-    recipe = Recipe(**SMALL)
-    assert told["key"] == recipe.key()
-    made = load(folder, recipe, "cache")
+    assert told["key"] == SMALL.key()
+    made = load(folder, SMALL, "cache")
     assert made is not None
-    np.testing.assert_array_equal(made.database.descriptors, small(tmp_path / "cache").database.descriptors)
+    np.testing.assert_array_equal(
+        made.database.descriptors, collect_training(objects=1, seed=SEED).descriptors
+    )
+    again = count(looks(collect_scans(made.database, objects=1, seed=SEED)), 2, 3, 4)
+    np.testing.assert_array_equal(made.counts.counts, again.counts)
 
 
 def test_the_command_replaces_no_other_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -172,6 +188,6 @@ def test_what_cannot_succeed_is_refused_before_the_work(
     stages = Stages()
     cache = settings.pop("cache", tmp_path)
     with pytest.raises(error, match=said):
-        prepare(Recipe(**{**SMALL, **settings}), cache=cache, progress=stages)
+        prepare(replace(SMALL, **settings), cache=cache, progress=stages)
     assert stages.started == []
     assert list(tmp_path.iterdir()) == []

@@ -17,7 +17,7 @@ from beltsort.perception import PerceptionConfig, describe, segment
 
 from .running import PAPER, command, json_of, output
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.slow
 
 
 def test_bench_as_json() -> None:

@@ -9,7 +9,7 @@ from beltsort import Despot, InformationGain, SortingModel, Threshold, compare, 
 
 from .running import PAPER, command, json_of, output
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.slow
 
 POLICIES = ["threshold:0.9", "information-gain:0.9:2", "despot:2"]
 

@@ -14,7 +14,7 @@ from beltsort.explanation import explain
 
 from .running import PAPER, command, json_of, output
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.slow
 
 SEEN = ("plan", PAPER, "--observe", "p3=mushroom,standard", "--trials", "200")
 

@@ -9,7 +9,7 @@ from beltsort import SortingModel
 
 from .running import PAPER, command, json_of, output
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.slow
 
 
 def test_export_writes_what_the_library_writes(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from beltsort.tables.collect import collect_training
 from beltsort.tables.counts import Look, count
 from beltsort.tables.prepare import Prepared, Recipe
 from tests.cell.cell_files import changed
-from tests.cli.running import command
+from tests.cli.running import process
 from tests.contract.peers import OpcuaPeer
 
 pytestmark = pytest.mark.process
@@ -215,7 +215,7 @@ def test_check_tells_in_words_and_exits_with_1_beyond_a_limit(
 
 def test_help_of_the_real_command() -> None:
     for name in ("run", "check"):
-        assert "docs/cell.md" in command(name, "--help").stdout
+        assert "docs/cell.md" in process(name, "--help").stdout
 
 
 def test_a_held_run_goes_on_when_it_is_resumed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

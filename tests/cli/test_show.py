@@ -14,7 +14,7 @@ from tests.loop.killed_run import OBJECTS, run
 
 from .running import command, json_of, output
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from tests.perception.cloud_folders import SHAPES, cloud, cloud_folder
 
 from .running import command, json_of, output
 
-pytestmark = pytest.mark.process
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
