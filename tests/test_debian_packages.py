@@ -57,13 +57,22 @@ def normal(distribution: str) -> str:
     return distribution.lower().replace("_", "-")
 
 
+def made_here() -> set[str]:
+    """Return the message packages whose messages are made from definitions, without importing anything."""
+    source = (ROOT / "beltsort" / "cell" / "ros1" / "messages.py").read_text("utf-8")
+    (definitions,) = (
+        node.value
+        for node in ast.parse(source).body
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict)
+    )
+    assert isinstance(definitions, ast.Dict)
+    return {ast.literal_eval(key).split("/")[0] for key in definitions.keys if key is not None}
+
+
 def unaccounted(files: Iterator[Path]) -> list[str]:
     """Return "file:line module" of every module that neither Python, pyproject.toml nor the list provides."""
-    from beltsort.cell.ros1.messages import DEFINITIONS
-
-    made = {kind.split("/")[0] for kind in DEFINITIONS}  # messages made here from their definitions
     ours = {"beltsort", "tests", "benchmarks"}
-    provided = set(sys.stdlib_module_names) | ours | made | listed("ros1").keys()
+    provided = set(sys.stdlib_module_names) | ours | made_here() | listed("ros1").keys()
     distributions, named = packages_distributions(), declared()
     return [
         f"{file.relative_to(ROOT)}:{line} {module}"

@@ -31,8 +31,8 @@ class Standstill:
     still
         For how long they must have stood still to have arrived, seconds.
     stalled
-        For how long they must have stood still to be elsewhere, seconds. A silence of more than half of it says
-        nothing about the time in between.
+        For how long they must have stood still to be elsewhere, seconds. A silence of more than half of it
+        says nothing about the time in between.
 
     Examples
     --------
