@@ -272,7 +272,7 @@ def _about(recipe: Recipe) -> dict[str, object]:
 
 
 def _new_folder(parent: Path) -> Path:
-    """Make a folder of a new name, readable by all whom the umask lets read."""
+    """Make a folder of a new name, which only its owner can read."""
     try:
         parent.mkdir(parents=True, exist_ok=True)
         return Path(tempfile.mkdtemp(dir=parent))
