@@ -9,9 +9,9 @@ unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
 
 bin := .venv/bin
 rust_sources := Cargo.toml Cargo.lock $(shell find rust -type f)
-# More processes than cores: many tests wait for servers that they have started. A file's tests stay in one of them.
-# Their libraries share out no work of their own, which would only make them wait for each other.
-pytest := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(bin)/python -m pytest -n $(or $(WORKERS),4) --dist loadfile --no-loadscope-reorder
+# A file's tests stay in one of WORKERS processes. Their libraries share out no work of their own, which would only
+# make them wait for each other.
+pytest := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(bin)/python -m pytest --dist loadfile --no-loadscope-reorder
 
 .PHONY: help venv build dev demo check test test-rust lint-rust test-python lint-python types soak laws bench format wheel \
 	clean
@@ -30,7 +30,7 @@ demo: build  ## run the main job: beltsort demo $(ARGS)
 check: .venv/checked-rust .venv/extension-any venv  ## after an edit: linters, types, tests without processes or seconds
 	$(MAKE) lint-python
 	$(bin)/python -m mypy
-	$(pytest) -m "not process and not slow and not soak"
+	$(pytest) -n $(or $(WORKERS),2) -m "not process and not slow and not soak"
 
 test: test-rust lint-rust test-python lint-python types  ## every test and check
 
@@ -42,8 +42,9 @@ lint-rust: venv  ## clippy, rustdoc and rustfmt
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 	cargo fmt --all --check
 
+# More processes than cores: many tests wait for servers that they have started.
 test-python: build venv  ## pytest
-	$(pytest)
+	$(pytest) -n $(or $(WORKERS),4)
 
 lint-python: venv  ## ruff
 	$(bin)/ruff check
@@ -62,7 +63,7 @@ soak: build venv  ## 100 kills and 1,000 objects with faults
 	$(bin)/python -m pytest tests/soak -m soak -s
 
 bench: build venv  ## criterion and pytest-benchmark; on an idle machine
-	cargo bench
+	cargo bench -p beltsort-benches
 	$(bin)/python -m pytest benchmarks --benchmark-enable
 
 format: venv  ## format everything, and mend what ruff can mend

@@ -14,6 +14,15 @@ laws.load_profile()
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+LONGEST = ("tests/contract/test_actuators.py", "tests/experiments/test_reproduce.py")
+"""Files that take minutes, each in one process: begun first, so that nobody waits for them in the end."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the longest files first."""
+    items.sort(key=lambda item: not item.nodeid.startswith(LONGEST))
+
+
 @pytest.fixture
 def account(record_property: Callable[[str, object], None]) -> Account:
     """Notes what befalls the back-ends in this test."""

@@ -25,6 +25,8 @@ from beltsort.perception import NearestNeighbour, Perception
 from beltsort.tables.collect import collect_training
 from tests.cell.cell_files import EXAMPLE, composed, described
 
+pytestmark = pytest.mark.slow
+
 WORLD_FROM_BELT = from_quaternion((0.55, -0.2, 0.12), (0.1, -0.5, 0.5, 0.7))
 FLANGE_FROM_CAMERA = from_quaternion((0.02, 0.05, 0.03), (0.5, -0.5, 0.1, 0.7))
 TRUE_LABELS = [0, 1, 2, 3]

@@ -158,6 +158,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[SortingReport, Path
     return drifting_run(path), path
 
 
+@pytest.mark.slow
 def test_tables_that_change_midway_raise_an_alarm(tmp_path: Path, whole: tuple[SortingReport, Path]) -> None:
     assert drifting_run(tmp_path / "as before.sqlite", change=NEVER).drift == ()
     report, path = whole
@@ -183,6 +184,7 @@ def interrupted(path: Path, kind: str, number: int, **settings: Any) -> None:
         drifting_run(path, listener=listener, **settings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "number"), [("scan", 1), ("scan", 30), ("decision", 12), ("drift", 1)])
 def test_a_resumed_run_has_the_same_watch(
     tmp_path: Path, whole: tuple[SortingReport, Path], kind: str, number: int
@@ -194,6 +196,7 @@ def test_a_resumed_run_has_the_same_watch(
     assert len(drifts(read_journal(path))) == len(whole[0].drift), "each alarm told once"
 
 
+@pytest.mark.slow
 def test_an_alarm_whose_entry_is_missing_is_told_when_resumed(
     tmp_path: Path, whole: tuple[SortingReport, Path]
 ) -> None:
@@ -208,6 +211,7 @@ def test_an_alarm_whose_entry_is_missing_is_told_when_resumed(
     assert [e.data for e in drifts(read_journal(path))] == [e.data for e in drifts(entries)]
 
 
+@pytest.mark.slow
 def test_a_snapshot_keeps_the_watch(tmp_path: Path, whole: tuple[SortingReport, Path]) -> None:
     path = tmp_path / "journal.sqlite"
     interrupted(path, "decision", 30, largest=20_000, keep=1)
@@ -216,6 +220,7 @@ def test_a_snapshot_keeps_the_watch(tmp_path: Path, whole: tuple[SortingReport, 
     assert state(path) == state(whole[1])
 
 
+@pytest.mark.slow
 def test_an_alarm_holds_the_run_if_asked_to(tmp_path: Path, whole: tuple[SortingReport, Path]) -> None:
     path, holding = tmp_path / "journal.sqlite", Drift(WATCHED.false_alarm, hold=True)
     with pytest.raises(CellError, match=r"\d drift alarms\b.*\bdrift\.hold\b"):
@@ -225,6 +230,7 @@ def test_an_alarm_holds_the_run_if_asked_to(tmp_path: Path, whole: tuple[Sorting
     assert resumed(path) == whole[0], "who resumes has looked"
 
 
+@pytest.mark.slow
 def test_a_watch_may_begin_and_end_with_a_resumption(tmp_path: Path) -> None:
     path = tmp_path / "journal.sqlite"
     interrupted(path, "decision", 50, drift=None)

@@ -1,5 +1,5 @@
-//! How fast planning is, through the public interface alone: `cargo bench`, or `cargo bench -- --test` to see whether
-//! everything runs.
+//! How fast planning is, through the public interface alone: `cargo bench -p beltsort-benches`, with
+//! `-- --test` behind it to see whether everything runs.
 
 use std::hint::black_box;
 
@@ -18,7 +18,7 @@ const MANY_SCENARIOS: usize = 4096;
 const BATCHES: usize = 1000;
 
 fn main() -> Result<()> {
-    let model = SortingModel::new(ModelSpec::from_json(include_str!("../../../tests/fixtures/paper.json"))?)?;
+    let model = SortingModel::new(ModelSpec::from_json(include_str!("../../tests/fixtures/paper.json"))?)?;
     let mut criterion = Criterion::default().configure_from_args();
     ready_to_plan(&mut criterion, &model);
     one_plan(&mut criterion, &model)?;
