@@ -7,20 +7,22 @@ from typing import Any
 
 from beltsort import Despot, SortingModel
 from beltsort.cell.check import CellCheck, ask_health
+from beltsort.cell.commands import CommandError, Outcome
 from beltsort.cell.composed import ComposedCell, compose
 from beltsort.cell.description import CellDescription
 from beltsort.cell.problems import CellFileError
-from beltsort.cell.protocols import Homing, Restorable
+from beltsort.cell.protocols import NOWHERE, Homing, Restorable, TellsPosition
 from beltsort.cell.simulated.backend import trainable_config
 from beltsort.commander import Operator, nobody
 from beltsort.errors import CellError
 from beltsort.journal import Journal, Listener
+from beltsort.locks import devices_locked, locked
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig
 from beltsort.progress import Progress
 from beltsort.record import progress_in
 from beltsort.report import SortingReport
-from beltsort.runs import JOURNAL, CallLog, make_folder, plain_decision, run_name, sort_into
-from beltsort.sorter import resume_sorting
+from beltsort.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
+from beltsort.sorter import Check, nothing, resume_sorting
 from beltsort.tables.prepare import Recipe, StageProgress, prepare
 
 
@@ -40,8 +42,10 @@ class CellRun:
         Of the run; made by `sort`.
     broken_off
         How far the run had come that is resumed; None for a new one.
-    homing
-        Belts that a new run tells that its first object is at the belt end.
+    first
+        Number of the object at the belt end, as a person has said; None: the belt is asked.
+    devices
+        As their back-ends made them.
     """
 
     description: CellDescription
@@ -50,25 +54,34 @@ class CellRun:
     classifier: NearestNeighbour
     folder: Path
     broken_off: Progress | None = None
-    homing: Sequence[Homing] = ()
+    first: int | None = None
+    devices: Sequence[object] = ()
 
-    def sort(self, listener: Listener | None = None, operator: Operator = nobody) -> SortingReport:
+    def sort(
+        self, listener: Listener | None = None, operator: Operator = nobody, check: Check = nothing
+    ) -> SortingReport:
         """Sort the objects, or those that are left, journalling every step.
 
-        Whatever ends the run early stops all devices; `operator` is as in `beltsort.sorter.sort_objects`.
+        Whatever ends the run early stops all devices; `operator` and `check` are as in
+        `beltsort.sorter.sort_objects`.
 
         Raises
         ------
-        CellError
-            If a device is not ready.
+        InUseError
+            If another process works on the run, or drives one of its devices.
+        CommandError
+            If a device is not ready, or nobody has told the belt where it stands.
         BeltsortError
             As `beltsort.sorter.sort_objects`.
         """
+        make_folder(self.folder)
+        with locked(f"the run {self.folder}", self.folder / LOCK), devices_locked(self.devices):
+            return self._sort(listener, operator, check)
+
+    def _sort(self, listener: Listener | None, operator: Operator, check: Check) -> SortingReport:
         description = self.description
         perception = Perception(description.layout, self.classifier, description.perception)
         planner = Despot(self.model, **description.planner.settings())
-        make_folder(self.folder)
-        check_ready(self.cell)
         if self.broken_off is not None:
             with Journal(self.folder / JOURNAL, listener, resume=True) as journal:
                 return resume_sorting(
@@ -76,9 +89,10 @@ class CellRun:
                     rules=description.rules,
                     operator=operator,
                     drift=description.drift,
+                    check=check,
                 )
-        for belt in self.homing:
-            belt.home(0)
+        first = self._first_object()
+        check_ready(self.cell)
         return sort_into(
             self.folder,
             self.cell,
@@ -86,12 +100,24 @@ class CellRun:
             planner,
             self.model,
             objects=description.objects,
+            first=first,
             belt_ends=description.belt_ends,
             rules=description.rules,
             operator=operator,
             drift=description.drift,
             listener=listener,
+            check=check,
         )
+
+    def _first_object(self) -> int:
+        """Return the number of the object at the belt end, with which a new run begins."""
+        beginning = Progress.at_start(self.model)
+        if self.first is not None:
+            beginning.index = beginning.first = self.first
+            _restore(self.devices, beginning)
+        beginning.index = beginning.first = first_object(self.cell, self.devices, self.first)
+        _restore(self.devices, beginning)
+        return beginning.first
 
 
 def open_run(
@@ -102,6 +128,7 @@ def open_run(
     say: Callable[[str], None],
     progress: StageProgress | None = None,
     resume: Path | None = None,
+    first: int | None = None,
 ) -> CellRun:
     """Make the devices, and load model and classifier or prepare them.
 
@@ -120,6 +147,8 @@ def open_run(
         Called with each stage of `prepare`.
     resume
         Folder of a run that was broken off and is to go on.
+    first
+        Number of the object at the belt end, as a person has said. The belt of a new run is told.
 
     Raises
     ------
@@ -134,7 +163,7 @@ def open_run(
     devices: list[object] = []
     cell = compose(description, live=live, say=say, record=calls, made=devices.append)
     if broken_off is not None:
-        _bring_back(devices, broken_off)
+        _restore(devices, broken_off)
     if cell.rehearsed and resume is None:
         calls.folder = runs / f"{calls.folder.name}-dry-run"
     model, classifier = _knowledge(description, progress)
@@ -145,15 +174,69 @@ def open_run(
         classifier,
         calls.folder,
         broken_off,
-        [] if cell.rehearsed else [device for device in devices if isinstance(device, Homing)],
+        first,
+        devices,
     )
 
 
-def _bring_back(devices: Sequence[object], where: Progress) -> None:
-    """Have the devices whose world ended with the process stand where the run broke off."""
+def _restore(devices: Sequence[object], where: Progress) -> None:
+    """Have the devices whose world ends with the process stand where the run begins or broke off."""
     for device in devices:
         if isinstance(device, Restorable):
-            device.restore(where.index, looks=where.glances, taken=where.taken, clock=where.stopped)
+            device.restore(
+                where.index,
+                first=where.first,
+                looks=where.glances,
+                taken=where.taken,
+                clock=where.stopped,
+            )
+
+
+def first_object(cell: ComposedCell, devices: Sequence[object], told: int | None) -> int:
+    """Return the number of the object at the belt end of a new run.
+
+    Parameters
+    ----------
+    cell
+        Its belt is asked.
+    devices
+        Those that can be told get the number that a person has said, unless the belt is in a dry run.
+    told
+        That number; None: nobody has said.
+
+    Raises
+    ------
+    CommandError
+        If the belt does not know where it stands, and nobody has said.
+    """
+    position = cell.belt.position() if isinstance(cell.belt, TellsPosition) else None
+    if told is None and position == NOWHERE:
+        raise CommandError(
+            "the belt does not know which object is at the belt end; look, and say its number: "
+            "beltsort home CELL.toml NUMBER --live, or beltsort run with --first-object NUMBER",
+            Outcome.NOT_DONE,
+        )
+    if told is not None and position is not None and position != told:
+        home(devices, told)
+    return told if told is not None else position or 0
+
+
+def home(devices: Sequence[object], index: int) -> None:
+    """Tell the belt that object `index` is at the belt end, as a person has seen.
+
+    Raises
+    ------
+    CellError
+        If there is no belt that can be told, or it refuses.
+    """
+    belts = [device for device in devices if isinstance(device, Homing)]
+    if not belts:
+        raise CellError(
+            f"the belt cannot be told that object {index} is at its end, expected a back-end with home(): "
+            "bring the belt there by its own means"
+        )
+    for belt in belts:
+        belt.home(index)
 
 
 def check_ready(cell: ComposedCell) -> None:

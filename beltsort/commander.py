@@ -1,20 +1,19 @@
 """Carrying out commands: each once, whatever fails in between.
 
-| what happened | what is done |
-|---|---|
-| the command was not done | it is repeated under the same id, up to `Rules.command_attempts` times |
-| its fate is unknown | the device is asked; a move or an advance, whose targets are absolute, is repeated |
-| a sort's fate is unknown, and the device cannot tell | the run is held: a person must look |
-| all attempts failed | the run is held |
-| a scan tells that the camera stands elsewhere | it is sent there once more, under a new id (`observing`) |
-| it tells so again | the run is held |
-| the emergency stop is pressed | the run is aborted |
+What became of a command that failed is asked of the device first. `STEPS` says what is then done; only what
+no device can tell is left to a person, and what a person says is honoured. The belt's position is compared
+with what it should be before every command and after every advance, so that nothing is dropped where it does
+not belong. docs/recovery.md shows the same as tables.
 """
 
-from collections.abc import Callable
-from dataclasses import asdict
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from enum import Enum
+from typing import NamedTuple, TypeVar
 
 from beltsort.cell import Actuator, Cell, CommandError, EmergencyStopError, Outcome
+from beltsort.cell.protocols import NOWHERE, TellsPosition
 from beltsort.command import Command
 from beltsort.errors import CellError
 from beltsort.packml import State
@@ -22,31 +21,142 @@ from beltsort.progress import Progress
 from beltsort.record import Record
 from beltsort.rules import Rules
 
+Result = TypeVar("Result")
 
-class HeldError(CellError):
-    """The run is held: what became of a command must be told by a person.
+
+class Step(Enum):
+    """What is done with a command that failed."""
+
+    RECORD = "written down as done"
+    WAIT = "sent again under its id, under which it never acts twice, to wait for its end"
+    REPEAT = "sent again under a new id"
+    ASK = "a person is asked whether it was done"
+
+
+STEPS: dict[tuple[str, Outcome], Step] = {
+    ("move", Outcome.DONE): Step.WAIT,
+    ("move", Outcome.RUNNING): Step.WAIT,
+    ("move", Outcome.NOT_DONE): Step.REPEAT,
+    ("move", Outcome.BROKEN_OFF): Step.REPEAT,
+    ("move", Outcome.UNKNOWN): Step.REPEAT,
+    ("advance", Outcome.DONE): Step.WAIT,
+    ("advance", Outcome.RUNNING): Step.WAIT,
+    ("advance", Outcome.NOT_DONE): Step.REPEAT,
+    ("advance", Outcome.BROKEN_OFF): Step.REPEAT,
+    ("advance", Outcome.UNKNOWN): Step.REPEAT,
+    ("sort", Outcome.DONE): Step.RECORD,
+    ("sort", Outcome.RUNNING): Step.WAIT,
+    ("sort", Outcome.NOT_DONE): Step.REPEAT,
+    ("sort", Outcome.BROKEN_OFF): Step.ASK,
+    ("sort", Outcome.UNKNOWN): Step.ASK,
+}
+"""By command and what the device says became of it.
+
+A move or an advance may be repeated whatever became of it, as its target is absolute: a device that stands
+there already answers at once, and says since when. A sort may not.
+"""
+
+
+class Answer(Enum):
+    """What a person says of a run that is held."""
+
+    DONE = "done"
+    """The command in question was done: the object is in the bin."""
+    NOT_DONE = "not-done"
+    """It was not: the object is still at the belt end."""
+    PASSED = "passed"
+    """The belt went past objects, which were not sorted; the run is to go on where it stands."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way out of a hold.
+
+    Attributes
+    ----------
+    when
+        What must be true.
+    answer
+        What is then to be answered; None: the run can be resumed without an answer.
+    home
+        The object number with which the belt is then to be homed before; None if it need not be.
+    """
+
+    when: str
+    answer: Answer | None = None
+    home: int | None = None
+
+    def __str__(self) -> str:
+        """Return it in a few words."""
+        homing = "" if self.home is None else f"home {self.home} and "
+        return f"{self.when}: {homing}resume" + (
+            "" if self.answer is None else f" --settle {self.answer.value}"
+        )
+
+
+MENDED = (Way("once that is mended"),)
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Why a run is held, and what a person can do about it.
 
     Attributes
     ----------
     command
-        The command in question.
+        The command at which it is held; None between two commands.
+    reason
+        What happened, and what to look at.
+    ways
+        How to go on, by what is true.
+    person
+        Whether a person must decide or see to the cell, so that resuming again and again does not help.
     """
 
-    def __init__(self, command: Command, reason: str) -> None:
-        self.command = command
-        super().__init__(
-            f"held at {command.id} ({command.name} {command.target}): {reason}. Look at the cell, then "
-            "resume, and say whether it was done (--settle done) or not (--settle not-done)"
-        )
+    command: Command | None
+    reason: str
+    ways: tuple[Way, ...] = MENDED
+    person: bool = False
+
+    @property
+    def answers(self) -> tuple[Answer, ...]:
+        """What may be answered."""
+        return tuple(way.answer for way in self.ways if way.answer is not None)
+
+    def __str__(self) -> str:
+        """Return all of it in one line."""
+        where = "" if self.command is None else f" at {self.command.name} {self.command.target}"
+        return f"held{where}: {self.reason}. {'; '.join(map(str, self.ways))}"
 
 
-Operator = Callable[[Command, str], Outcome]
-"""Tells what became of a command, given the reason for asking; `DONE` or `NOT_DONE`."""
+class HeldError(CellError):
+    """The run is held until a person has seen to the cell.
+
+    Attributes
+    ----------
+    hold
+        Why.
+    """
+
+    def __init__(self, hold: Hold) -> None:
+        self.hold = hold
+        super().__init__(str(hold))
 
 
-def nobody(command: Command, reason: str) -> Outcome:
+Operator = Callable[[Hold], Answer | None]
+"""Says what a person has found: one of the hold's answers, or None where a way without one was gone."""
+
+
+def nobody(hold: Hold) -> Answer | None:
     """Answer no question: the run ends as held."""
-    raise HeldError(command, reason)
+    raise HeldError(hold)
+
+
+class Failure(NamedTuple):
+    """What became of a command that failed (None: the device cannot be asked), and why."""
+
+    outcome: Outcome | None
+    why: str
 
 
 class Commander:
@@ -78,21 +188,24 @@ class Commander:
         self._rules, self._operator = rules, operator
 
     def issue(self, name: str, target: int, *, arriving: bool = False) -> None:
-        """Carry out a new command.
+        """Carry out a new command; nothing, if it is learnt that the belt has passed objects.
 
         Raises
         ------
         HeldError
-            If it cannot be done, or what became of it cannot be told.
+            If it cannot be done, what became of it cannot be told, or the belt stands elsewhere than it
+            should.
         EmergencyStopError
             If the emergency stop is pressed.
-        CommandError
-            If the device takes no commands: this one was not sent.
         """
+        index = self._progress.index
+        boot_id = self._asked(lambda: self._ready(name), None)
+        if not self._belt_stands(range(index, index + 1), None):
+            return
         identity = f"{self._progress.run}-{name}-{self._progress.commands + 1}"
-        command = Command(identity, name, target, self._boot_id(name), arriving)
+        command = Command(identity, name, target, boot_id, arriving)
         self._record("intent", command=asdict(command))
-        self._carry_out(command, Outcome.NOT_DONE)
+        self._finish(command, self._send(command))
 
     def settle(self, command: Command) -> None:
         """Carry out a command that a run broke off in: learn what became of it, and do what is left.
@@ -102,51 +215,57 @@ class Commander:
         HeldError, EmergencyStopError
             As `issue`.
         """
-        self._carry_out(command, self._fate(command))
+        index = self._progress.index
+        last = command.target if command.name == "advance" else index
+        if self._belt_stands(range(index, last + 1), command):
+            why = "the run was broken off here"
+            told = self._progress.told
+            self._finish(command, Failure(told, why) if told is not None else self._failure(command, why))
 
-    def _boot_id(self, name: str) -> str:
-        """Return the boot id of a device that takes commands."""
-        health = self._device(name).health()
-        if health.emergency_stop:
-            raise EmergencyStopError(
-                f"the emergency stop is pressed ({health.fault}); release it at the cell, then resume",
-                Outcome.NOT_DONE,
-            )
-        if not health.ready:
-            raise CommandError(
-                f"the device for {name} is not ready: {health.fault}; mend that, then resume",
-                Outcome.NOT_DONE,
-            )
-        return health.boot_id
+    def _finish(self, command: Command, failure: Failure | None) -> None:
+        """Do what `STEPS` says until the command is done."""
+        delays = iter(self._rules.retry_delays)
+        while failure is not None:
+            step = None if failure.outcome is None else STEPS[command.name, failure.outcome]
+            match step:
+                case Step.RECORD:
+                    self._record("outcome", command_id=command.id, outcome="done", stopped=None)
+                    return
+                case Step.ASK:
+                    failure = self._told(command, failure)
+                    continue
+            delays = self._pause(delays, command, failure)
+            match step:
+                case Step.WAIT:
+                    failure = self._send(command, before=failure)
+                case Step.REPEAT:
+                    command = self._again(command)
+                    failure = self._send(command)
+                case _:
+                    failure = self._failure(command, failure.why)
 
-    def _carry_out(self, command: Command, fate: Outcome) -> None:
-        while not self._tried(command, fate):
-            fate = self._told(command, f"it failed {self._rules.command_attempts} times")
+    def _pause(self, delays: Iterator[float], command: Command, failure: Failure) -> Iterator[float]:
+        """Wait before the next attempt, longer each time; when all have failed, hold the run."""
+        delay = next(delays, None)
+        if delay is not None:
+            time.sleep(delay)
+            return delays
+        attempts = len(self._rules.retry_delays) + 1
+        self._hold(Hold(command, f"it failed {attempts} times, most recently: {failure.why}"))
+        return iter(self._rules.retry_delays)
 
-    def _tried(self, command: Command, fate: Outcome) -> bool:
-        """Send a command until it is done or all attempts are spent; return whether it is done."""
-        for _ in range(self._rules.command_attempts):
-            if fate is Outcome.UNKNOWN:
-                fate = self._told(command, "the device cannot tell what became of it")
-            if self._is_done(command, fate):
-                return True
-            fate = self._attempt(command)
-        return self._is_done(command, fate)
+    def _again(self, command: Command) -> Command:
+        """Write down the next attempt at a command."""
+        following = command.again(self._asked(lambda: self._ready(command.name), command))
+        self._record("intent", command=asdict(following))
+        return following
 
-    def _is_done(self, command: Command, fate: Outcome) -> bool:
-        """Whether a command is done; that is written down if it was learnt otherwise than by its end.
+    def _send(self, command: Command, before: Failure | None = None) -> Failure | None:
+        """Send an attempt; return why it failed, if so.
 
-        A move or an advance that is said to be done is sent once more: its answer tells when it stopped.
+        `before` tells of an attempt that was sent already. A device that then cannot be reached does not know
+        better than it did.
         """
-        if self._progress.pending is None:
-            return True
-        if fate is Outcome.DONE and command.name == "sort":
-            self._record("outcome", command_id=command.id, outcome="done", stopped=None)
-            return True
-        return False
-
-    def _attempt(self, command: Command) -> Outcome:
-        """Send the command; a device that has carried it out answers at once."""
         try:
             stopped = self._act(command)
         except EmergencyStopError as failure:
@@ -154,12 +273,19 @@ class Commander:
             raise
         except CommandError as failure:
             self._failed(command, failure)
-            return Outcome.NOT_DONE if failure.outcome is Outcome.NOT_DONE else self._fate(command)
+            sure = failure.outcome is Outcome.BROKEN_OFF or (
+                failure.outcome is Outcome.NOT_DONE and before is None
+            )
+            return Failure(failure.outcome, str(failure)) if sure else self._failure(command, str(failure))
         except BaseException as interrupt:
             self._failed(command, interrupt)
             raise
+        if command.name == "advance" and not self._belt_stands(
+            range(command.target, command.target + 1), command
+        ):
+            return None  # it has passed the target, and a person said to go on
         self._record("outcome", command_id=command.id, outcome="done", stopped=stopped)
-        return Outcome.DONE
+        return None
 
     def _failed(self, command: Command, failure: BaseException) -> None:
         outcome = failure.outcome if isinstance(failure, CommandError) else Outcome.UNKNOWN
@@ -176,25 +302,96 @@ class Commander:
                 cell.sorter.sort(target, identity)
                 return None
 
-    def _fate(self, command: Command) -> Outcome:
-        """Ask the device. A move or an advance may be repeated anyhow: its target is absolute."""
-        if command.name != "sort":
-            return Outcome.NOT_DONE
+    def _failure(self, command: Command, why: str) -> Failure:
+        """Ask the device what became of a command that failed."""
         device = self._device(command.name)
         try:
-            fate = device.outcome_of(command.id)
+            outcome = device.outcome_of(command.id, command.boot_id)
             restarted = device.health().boot_id != command.boot_id
-        except CommandError:
-            return Outcome.UNKNOWN
+        except CommandError as reason:
+            return Failure(None, f"{why}; then: {reason}")
         # What a restarted device does not know of may have been done before the restart.
-        return Outcome.UNKNOWN if restarted and fate is Outcome.NOT_DONE else fate
+        unsure = restarted and outcome is Outcome.NOT_DONE
+        return Failure(Outcome.UNKNOWN if unsure else outcome, why)
 
-    def _told(self, command: Command, reason: str) -> Outcome:
-        """Ask the operator, and write the answer down."""
-        self._record("state", state=State.HELD, reason=reason, command_id=command.id)
-        answer = self._operator(command, reason)
-        self._record("state", state=State.EXECUTE, reason=f"told that {command.id} was {answer.value}")
+    def _told(self, command: Command, failure: Failure) -> Failure:
+        """Ask a person what became of a sort, and write the answer down."""
+        index, target = self._progress.index, command.target
+        known = "was broken off" if failure.outcome is Outcome.BROKEN_OFF else "may or may not have been done"
+        reason = f"the sort into bin {target} {known} ({failure.why}), and the device cannot tell more; look"
+        ways = (
+            Way(f"if object {index} is in bin {target}", Answer.DONE),
+            Way("if it is still at the belt end (put it back there if it lies elsewhere)", Answer.NOT_DONE),
+        )
+        answer = self._hold(Hold(command, reason, ways, person=True))
+        outcome = Outcome.DONE if answer is Answer.DONE else Outcome.NOT_DONE
+        self._record("told", command_id=command.id, outcome=outcome.value)
+        return Failure(outcome, failure.why)
+
+    def _belt_stands(self, expected: range, command: Command | None) -> bool:
+        """Hold the run while the belt says that it stands elsewhere than at one of the expected objects.
+
+        Returns False if a person has said that it passed objects, from which the run goes on. During an
+        advance the belt may stand between two objects. What cannot tell its position is believed.
+        """
+        belt = self._cell.belt
+        on_its_way = command is not None and command.name == "advance"
+        while isinstance(belt, TellsPosition):
+            position = self._asked(belt.position, command)
+            if position is None or position in expected or (position == NOWHERE and on_its_way):
+                return True
+            answer = self._hold(_astray(position, expected, command, belt.health().needs_home))
+            if answer is Answer.PASSED:
+                self._record("passed", index=position)
+                return False
+        return True
+
+    def _hold(self, hold: Hold) -> Answer | None:
+        """Ask a person, and write down that it was asked."""
+        command_id = None if hold.command is None else hold.command.id
+        self._record("state", state=State.HELD, reason=hold.reason, command_id=command_id)
+        answer = self._operator(hold)
+        said = "mended" if answer is None else answer.value
+        self._record("state", state=State.EXECUTE, reason=f"a person said: {said}")
         return answer
+
+    def _asked(self, ask: Callable[[], Result], command: Command | None) -> Result:
+        """Ask a device, again after each delay while it cannot be reached; then hold the run."""
+        delays = iter(self._rules.retry_delays)
+        while True:
+            try:
+                return ask()
+            except (EmergencyStopError, HeldError):
+                raise
+            except CommandError as failure:
+                delay = next(delays, None)
+                if delay is None:
+                    self._hold(Hold(command, str(failure)))
+                    delays = iter(self._rules.retry_delays)
+                else:
+                    time.sleep(delay)
+
+    def _ready(self, name: str) -> str:
+        """Return the boot id of a device that takes commands; hold the run while it takes none."""
+        while True:
+            health = self._device(name).health()
+            if health.emergency_stop:
+                raise EmergencyStopError(
+                    f"the emergency stop is pressed ({health.fault}); release it at the cell, then resume",
+                    Outcome.NOT_DONE,
+                )
+            if health.ready:
+                return health.boot_id
+            pending, index = self._progress.pending, self._progress.index
+            reason = f"the device for {name} is not ready: {health.fault}"
+            if health.needs_home:
+                last = pending.target if pending is not None and pending.name == "advance" else index
+                ways = tuple(Way(f"if object {i} is at the belt end", home=i) for i in range(index, last + 1))
+                self._hold(
+                    Hold(pending, f"{reason}; look which object is at the belt end", ways, person=True)
+                )
+            else:
+                self._hold(Hold(pending, reason))
 
     def _device(self, name: str) -> Actuator:
         devices: dict[str, Actuator] = {
@@ -203,3 +400,18 @@ class Commander:
             "advance": self._cell.belt,
         }
         return devices[name]
+
+
+def _astray(position: int, expected: range, command: Command | None, needs_home: bool) -> Hold:
+    """Return the hold for a belt that stands elsewhere than it should."""
+    stands = "at no object" if position == NOWHERE else f"at object {position}"
+    last = expected[-1]
+    ways = [Way(f"if object {i} is at the belt end", home=i) for i in expected]
+    if position > last:
+        when = f"if object {position} is, take care of those that went past unsorted"
+        ways.append(Way(when, Answer.PASSED, home=position if needs_home else None))
+    reason = (
+        f"the belt says that it stands {stands}, expected at object {last}; "
+        "look which object is at the belt end"
+    )
+    return Hold(command, reason, tuple(ways), person=True)

@@ -19,6 +19,10 @@ class JournalError(BeltsortError):
     """The record of a run cannot be written or read."""
 
 
+class JournalNotWrittenError(JournalError):
+    """An entry could not be written: the disk is full, or gone."""
+
+
 class ViewpointError(BeltsortError):
     """Viewpoints cannot be chosen, reached or read."""
 

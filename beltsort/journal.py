@@ -18,7 +18,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from beltsort.errors import JournalError
+from beltsort.errors import JournalError, JournalNotWrittenError
 
 VERSION = 2
 SCHEMA = """
@@ -43,8 +43,8 @@ class Entry:
     time
         UTC, ISO 8601.
     kind
-        `start`, `state`, `plan`, `intent`, `outcome`, `scan`, `bad_scan`, `wrong_viewpoint`, `drift`,
-        `decision`, `skip`, `resume`, `snapshot` or `end`.
+        `start`, `state`, `plan`, `intent`, `outcome`, `told`, `passed`, `scan`, `bad_scan`,
+        `wrong_viewpoint`, `drift`, `decision`, `skip`, `resume`, `unheard`, `snapshot` or `end`.
     object
         Number of the object at the belt end; None before the first.
     data
@@ -113,8 +113,16 @@ class Journal:
             )
         entry = Entry(int(cursor.lastrowid or 0), time, kind, self.object, data)
         if self._listener:
-            self._listener(entry)
+            self._tell(self._listener, entry)
         return entry
+
+    def _tell(self, listener: Listener, entry: Entry) -> None:
+        """Tell a listener; one that fails, as a console that was closed, is not told again."""
+        try:
+            listener(entry)
+        except Exception as failure:  # whatever it is, the run goes on
+            self._listener = None
+            self.append("unheard", error=repr(failure))
 
     @property
     def full(self) -> bool:
@@ -177,7 +185,7 @@ class Journal:
         try:
             yield
         except (sqlite3.Error, OSError) as reason:
-            raise JournalError(
+            raise JournalNotWrittenError(
                 f"the journal {self.path} cannot be {what}: {reason}; check that its folder exists and is "
                 "writable and that the disk is not full"
             ) from reason

@@ -6,7 +6,8 @@ from typing import Protocol
 from beltsort._core import Belief, ImpossibleObservationError
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.arrival import Deviation, deviation_from, viewpoint_poses
-from beltsort.errors import CellError, CloudError
+from beltsort.commander import HeldError, Hold
+from beltsort.errors import CloudError
 from beltsort.progress import Progress
 from beltsort.record import Record
 from beltsort.rules import Rules
@@ -111,12 +112,13 @@ class Observer:
                 return None if self._strayed(scan) else self._perceive(scan)
             except EmergencyStopError:
                 raise
-            except (CloudError, CommandError) as reason:
-                self._record("bad_scan", error=str(reason))
-        raise CellError(
+            except (CloudError, CommandError) as failure:
+                self._record("bad_scan", error=str(failure))
+        reason = (
             f"{self._rules.scan_attempts} scans in a row are unusable, expected a point cloud; check the "
-            "camera (`beltsort show` tells what each lacked), then resume"
+            "camera (`beltsort show` tells what each lacked)"
         )
+        raise HeldError(Hold(None, reason))
 
     def _fresh_scan(self) -> Scan:
         """Return a scan younger than the last stop, whatever the camera thinks of that."""
@@ -143,7 +145,7 @@ class Observer:
             distance=off.distance,
         )
         if self._progress.strays > STRAYS:
-            raise CellError(self._elsewhere(off, stands_at))
+            raise HeldError(Hold(None, self._elsewhere(off, stands_at), person=True))
         return True
 
     def _beyond(self, off: Deviation) -> bool:
@@ -163,7 +165,7 @@ class Observer:
             f"{names[self._progress.viewpoint]}, where the arm says it is, expected at most "
             f"{rules.arrival_angle:g} (rules.arrival_angle) and {rules.arrival_distance:g} "
             f"(rules.arrival_distance), and it was sent there {self._progress.strays} times; see to the arm "
-            "and the viewpoint's pose (`beltsort check`), then resume"
+            "and the viewpoint's pose (`beltsort check`)"
         )
 
     def _label_of(self, what: PerceivedPosition) -> int | None:

@@ -10,6 +10,7 @@ from enum import Enum
 from typing import Any
 
 from beltsort._core import Belief, SortingModel
+from beltsort.cell.commands import Outcome
 from beltsort.command import Command
 from beltsort.drift_state import DriftState
 from beltsort.errors import JournalError
@@ -57,6 +58,8 @@ class Progress:
         About the visible objects.
     run
         Name of the run, part of its commands' ids.
+    first
+        Number of the object at the belt end at the start.
     objects
         Belt places to work through.
     belt_ends
@@ -80,20 +83,23 @@ class Progress:
     owed
         What to do next; a pending command goes before.
     pending
-        The command that is not known to be done.
+        The command that is not known to be done, in its latest attempt.
+    told
+        What a person said became of that attempt.
     bin
         Where the object at the belt end is to be sorted, from the decision until it is done.
     visible
         What is known of each visible object besides the belief.
     drift
         What the watch over the tables has come to.
-    decisions, skipped
+    decisions, skipped, passed
         What the report will say.
     """
 
     model: SortingModel
     belief: Belief
     run: str = ""
+    first: int = 0
     objects: int = 0
     belt_ends: bool = False
     index: int = 0
@@ -106,11 +112,13 @@ class Progress:
     stopped: float = 0.0
     owed: Owed = Owed.CHOICE
     pending: Command | None = None
+    told: Outcome | None = None
     bin: int | None = None
     visible: list[Seen] = field(default_factory=list)
     drift: DriftState = field(default_factory=DriftState)
     decisions: list[Decision] = field(default_factory=list)
     skipped: list[int] = field(default_factory=list)
+    passed: list[int] = field(default_factory=list)
 
     @classmethod
     def at_start(cls, model: SortingModel) -> "Progress":
@@ -134,12 +142,17 @@ class Progress:
     @property
     def done(self) -> bool:
         """Whether every object has left the belt end."""
-        return self.index >= self.objects and self.pending is None
+        return self.index >= self.end and self.pending is None
+
+    @property
+    def end(self) -> int:
+        """Number of the object behind the last one."""
+        return self.first + self.objects
 
     @property
     def remaining(self) -> int | None:
         """Places left to decide, the one at the belt end included; None on a belt that never ends."""
-        return self.objects - self.index if self.belt_ends else None
+        return max(0, self.end - self.index) if self.belt_ends else None
 
     @property
     def taken(self) -> bool:
@@ -161,28 +174,49 @@ class Progress:
 
     def _start(self, data: dict[str, Any]) -> None:
         self.run, self.objects = data["run"], data["objects"]
-        self.belt_ends = data.get("belt_ends", False)  # older files do not tell
+        self.index = self.first = data.get("first", 0)  # older files begin with object 0
+        self.belt_ends = data.get("belt_ends", False)  # and do not tell
         self.belief = Belief(self.model, remaining=self.remaining)
         self.drift.begin(self.model, data.get("drift"))
 
     def _resume(self, data: dict[str, Any]) -> None:
         self.drift.begin(self.model, data.get("drift"))
         self.arrived, self.strays = False, 0  # somebody has seen to the arm
+        self.stopped = 0.0  # the clock may be another one since; the arm is moved before the next scan
 
     def _intent(self, data: dict[str, Any]) -> None:
-        self.pending = Command(**data["command"])
-        self.commands += 1
+        self.pending, self.told = Command(**data["command"]), None
+        self.commands += int(self.pending.attempt == 1)
+
+    def _told(self, data: dict[str, Any]) -> None:
+        self._check_pending(data)
+        self.told = Outcome(data["outcome"])
 
     def _outcome(self, data: dict[str, Any]) -> None:
-        command = self.pending
-        if command is None or command.id != data["command_id"]:
+        command = self._check_pending(data)
+        if data["outcome"] == "done":
+            self.pending = self.told = None
+            self.stopped = max(self.stopped, data["stopped"] or 0.0)
+            _DONE[command.name](self, command)
+
+    def _check_pending(self, data: dict[str, Any]) -> Command:
+        """Return the pending command, which an entry is about."""
+        if self.pending is None or self.pending.id != data["command_id"]:
             raise JournalError(
                 f"the journal tells the outcome of {data['command_id']}, which was not pending; it is damaged"
             )
-        if data["outcome"] == "done":
-            self.pending = None
-            self.stopped = max(self.stopped, data["stopped"] or 0.0)
-            _DONE[command.name](self, command)
+        return self.pending
+
+    def _passed(self, data: dict[str, Any]) -> None:
+        """Go on where the belt stands: what went past the belt end unsorted is lost to the run."""
+        if self.bin is not None:
+            self.decisions.pop()  # it never reached its bin
+        dealt_with = self.owed is Owed.ADVANCE and self.bin is None  # sorted or skipped
+        self.passed += range(self.index + dealt_with, min(data["index"], self.end))
+        self.pending = self.told = self.bin = None
+        while self.index < min(data["index"], self.end):
+            self._shift(self.index + 1)
+        self.owed = Owed.CHOICE
 
     def _moved(self, command: Command) -> None:
         self.viewpoint, self.arrived = command.target, True
@@ -194,11 +228,15 @@ class Progress:
         self.bin = None
 
     def _advanced(self, command: Command) -> None:
-        self.index, self.glances = command.target, 0
+        self._shift(command.target)
+        looks = self.model.observe_after_decision and self.index < self.end
+        self.owed = Owed.SCAN if looks else Owed.CHOICE
+
+    def _shift(self, index: int) -> None:
+        """Let the belt have moved on by one place."""
+        self.index, self.glances = index, 0
         self.belief.advance()
         self.visible = [*self.visible[1:], Seen()]
-        looks = self.model.observe_after_decision and self.index < self.objects
-        self.owed = Owed.SCAN if looks else Owed.CHOICE
 
     def _scan(self, data: dict[str, Any]) -> None:
         self.glances, self.strays = self.glances + 1, 0
@@ -245,6 +283,7 @@ class Progress:
             "last_labels": self.belief.last_labels.tolist(),
             "owed": self.owed.value,
             "pending": None if self.pending is None else asdict(self.pending),
+            "told": None if self.told is None else self.told.value,
             "visible": [asdict(seen) for seen in self.visible],
             "drift": self.drift.snapshot(),
         }
@@ -255,13 +294,14 @@ class Progress:
         self._believe(data)
         self.owed = Owed(data["owed"])
         self.pending = None if data["pending"] is None else Command(**data["pending"])
+        self.told = Outcome(data["told"]) if data.get("told") else None
         self.visible = [Seen(**seen) for seen in data["visible"]]
         if "drift" in data:
             self.drift = DriftState.of_snapshot(self.model, data["drift"])
 
 
 _PLAIN = (
-    *("run", "objects", "belt_ends", "index", "viewpoint", "arrived"),
+    *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived"),
     *("steps", "commands", "glances", "strays", "stopped", "bin"),
 )
 
@@ -270,6 +310,8 @@ _EFFECTS: dict[str, Callable[[Progress, dict[str, Any]], None]] = {
     "resume": Progress._resume,
     "intent": Progress._intent,
     "outcome": Progress._outcome,
+    "told": Progress._told,
+    "passed": Progress._passed,
     "scan": Progress._scan,
     "bad_scan": Progress._bad_scan,
     "wrong_viewpoint": Progress._wrong_viewpoint,

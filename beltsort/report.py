@@ -46,9 +46,12 @@ class SortingReport:
         Numbers of the belt places found empty.
     drift
         Alarms of the watch over the tables, if there was one.
+    passed
+        Numbers of objects that went past the belt end unsorted, as a person has said.
     """
 
     steps: int
     decisions: tuple[Decision, ...]
     skipped: tuple[int, ...]
     drift: "tuple[Alarm, ...]" = ()
+    passed: tuple[int, ...] = ()

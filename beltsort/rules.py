@@ -21,8 +21,9 @@ class Rules:
         So many labels in a row that the belief holds impossible are treated like `max_looks`.
     scan_attempts
         Unusable scans in a row after which the camera is taken to be broken.
-    command_attempts
-        Times that one command is sent before the run is held.
+    retry_delays
+        Seconds before a command that failed is sent again, or a device that cannot be reached asked again,
+        longer each time; when all are used up, the run is held. In all less than the commands' timeouts.
     arrival_angle, arrival_distance
         A scan taken more than so many degrees or millimetres from the viewpoint's pose, where both poses are
         known, is of another viewpoint. The arm is sent there once more; then the run is held. More than the
@@ -33,7 +34,7 @@ class Rules:
     empty_looks: int = 2
     impossible_labels: int = 3
     scan_attempts: int = 3
-    command_attempts: int = 3
+    retry_delays: tuple[float, ...] = (0.2, 1.0, 5.0, 15.0)
     arrival_angle: float = 5.0
     arrival_distance: float = 50.0
 

@@ -15,9 +15,9 @@ from beltsort.journal import Journal, Listener
 from beltsort.policy import Policy
 from beltsort.report import Decision, SortingReport
 from beltsort.rules import Drift, Rules
-from beltsort.sorter import Perceive, sort_objects
+from beltsort.sorter import Check, Perceive, nothing, sort_objects
 
-JOURNAL, MODEL, CALLS = "journal.sqlite", "model.json", "calls.jsonl"
+JOURNAL, MODEL, CALLS, LOCK = "journal.sqlite", "model.json", "calls.jsonl", "lock"
 
 
 def make_folder(folder: Path) -> Path:
@@ -50,11 +50,13 @@ def sort_into(
     model: SortingModel,
     *,
     objects: int,
+    first: int = 0,
     belt_ends: bool = False,
     rules: Rules | None = None,
     operator: Operator = nobody,
     drift: Drift | None = None,
     listener: Listener | None = None,
+    check: Check = nothing,
 ) -> SortingReport:
     """Sort the next objects of the belt; model and journal are kept in an existing folder.
 
@@ -66,10 +68,12 @@ def sort_into(
         return sort_objects(
             *(cell, perceive, policy, model, journal),
             objects=objects,
+            first=first,
             belt_ends=belt_ends,
             rules=rules,
             operator=operator,
             drift=drift,
+            check=check,
         )
 
 

@@ -1,5 +1,6 @@
 """The loop: scan -> perceive -> belief -> plan -> act -> journal."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 from uuid import uuid4
@@ -9,7 +10,7 @@ from beltsort._core import Despot, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
 from beltsort.cell.stopping import stopping
 from beltsort.choosing import Chooser
-from beltsort.commander import Commander, Operator, nobody
+from beltsort.commander import Commander, HeldError, Hold, Operator, nobody
 from beltsort.errors import CellError
 from beltsort.journal import Journal
 from beltsort.observing import Observer, Perceive, PerceivedPosition
@@ -19,6 +20,13 @@ from beltsort.progress import Owed, Progress
 from beltsort.record import Record, progress_in
 from beltsort.report import SortingReport
 from beltsort.rules import Drift, Rules
+
+Check = Callable[[], None]
+
+
+def nothing() -> None:
+    """Check nothing."""
+
 
 __all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
 
@@ -31,10 +39,12 @@ def sort_objects(
     journal: Journal,
     *,
     objects: int,
+    first: int = 0,
     belt_ends: bool = False,
     rules: Rules | None = None,
     operator: Operator = nobody,
     drift: Drift | None = None,
+    check: Check = nothing,
 ) -> SortingReport:
     """Sort the next objects of the belt, journalling every step.
 
@@ -53,8 +63,10 @@ def sort_objects(
         An open journal without entries. Its last entry is `end`, also after an error or an interrupt; after a
         kill or a power cut there is none.
     objects
-        Belt places to work through, object 0 standing at the belt end now. An empty one is skipped: when
-        `Rules.empty_looks` says so or, if the model has a class for empty cups, when that is decided.
+        Belt places to work through. An empty one is skipped: when `Rules.empty_looks` says so or, if the
+        model has a class for empty cups, when that is decided.
+    first
+        Number of the object at the belt end now, as the belt counts.
     belt_ends
         Whether nothing follows these objects. The policy is then asked with beliefs that tell how many places
         are left (`Belief.remaining`); planners look longer at the last ones, as nothing waits behind them.
@@ -64,6 +76,9 @@ def sort_objects(
         Asked what became of a command where no device can tell; by default the run ends as held.
     drift
         Watch whether labels still come as the tables say; not by default. Alarms are journalled.
+    check
+        Called before every step; what it raises ends the run, as an interrupt does. An exception that a
+        signal handler raises may be swallowed by the library it interrupts: a flag that is read here is not.
 
     Raises
     ------
@@ -77,10 +92,11 @@ def sort_objects(
         Whatever else the cell, perception or the policy raise.
     """
     record = Record(journal, Progress.at_start(model))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, check)
     return loop.run(
         "start",
         run=uuid4().hex[:8],
+        first=first,
         objects=objects,
         belt_ends=belt_ends,
         model=model.to_json(),
@@ -98,6 +114,7 @@ def resume_sorting(
     rules: Rules | None = None,
     operator: Operator = nobody,
     drift: Drift | None = None,
+    check: Check = nothing,
 ) -> SortingReport:
     """Go on with a run that was broken off, wherever that was.
 
@@ -107,7 +124,7 @@ def resume_sorting(
 
     Parameters
     ----------
-    cell, perceive, policy, rules, operator, drift
+    cell, perceive, policy, rules, operator, drift, check
         As in `sort_objects`; the same as before, if the decisions are to be the same.
     journal
         The run's journal, opened with ``resume=True``.
@@ -125,7 +142,7 @@ def resume_sorting(
         As `sort_objects`.
     """
     record = Record(journal, progress_in(journal.path))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift)
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, check)
     return loop.run(
         "resume",
         objects=record.progress.objects,
@@ -145,8 +162,10 @@ class _Loop:
         rules: Rules,
         operator: Operator,
         drift: Drift | None,
+        check: Check,
     ) -> None:
         self.cell, self.record, self.progress, self.drift = cell, record, record.progress, drift
+        self.check = check
         _check_fit(cell, self.progress.model)
         self.commander = Commander(cell, self.progress, record, rules, operator)
         self.observer = Observer(cell, perceive, self.progress, record, rules)
@@ -162,6 +181,7 @@ class _Loop:
                 self.record(kind, **data, drift=None if self.drift is None else asdict(self.drift))
                 self.record("state", state=State.EXECUTE, reason=kind)
                 while not self.progress.done:
+                    self.check()
                     self.step()
         except BaseException as failure:
             self.record("state", state=_state_after(failure), reason=repr(failure))
@@ -171,7 +191,11 @@ class _Loop:
         self.record("end", reason="done")
         progress = self.progress
         return SortingReport(
-            progress.steps, tuple(progress.decisions), tuple(progress.skipped), progress.drift.alarms
+            progress.steps,
+            tuple(progress.decisions),
+            tuple(progress.skipped),
+            progress.drift.alarms,
+            tuple(progress.passed),
         )
 
     def step(self) -> None:
@@ -197,11 +221,13 @@ class _Loop:
         for alarm in self.progress.drift.untold:
             self.record("drift", **alarm.to_dict())
         if self.drift is not None and self.drift.hold:
-            raise CellError(
-                f"{len(self.progress.drift.alarms)} drift alarms, expected none while drift.hold is on: "
-                "labels no longer come as the tables say; look at camera, classifier and objects, and "
-                "estimate the tables anew, or resume to go on with these"
+            alarms = len(self.progress.drift.alarms)
+            reason = (
+                f"{alarms} drift alarms, expected none while drift.hold is on: labels no longer come as the "
+                "tables say; look at camera, classifier and objects, and estimate the tables anew, or go on "
+                "with these"
             )
+            raise HeldError(Hold(None, reason, person=True))
 
 
 def _state_after(failure: BaseException) -> State:

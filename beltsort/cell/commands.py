@@ -20,7 +20,11 @@ class Outcome(Enum):
     DONE = "done"
     """It acted, once."""
     NOT_DONE = "not done"
-    """It did not act, and will not unless it is repeated."""
+    """It did not act, and will not unless it is sent again."""
+    BROKEN_OFF = "broken off"
+    """It began and did not end as it should: half done perhaps. Under its id it never acts again."""
+    RUNNING = "running"
+    """It acts now; sent again under its id, it is waited for."""
     UNKNOWN = "unknown"
     """It may have acted, or may still act."""
 

@@ -4,10 +4,13 @@ The rules that every device keeps, so that nothing is lost or done twice:
 
 * A call blocks until the act is done, and no longer than its `timeout` (seconds). Then, or when the act
   fails, it raises a `CommandError` that says the outcome: done, not done, or unknown.
-* An actuator's command carries an id, unique for the device; repeating it acts only once. `outcome_of` tells
-  what became of it, also after the connection or this program was restarted.
+* An actuator's command carries an id, unique for the device, under which it acts at most once. `outcome_of`
+  tells what became of it, also after the connection or this program was restarted. A command that was broken
+  off never acts again under its id: whoever repeats it gives it a new one.
 * Targets are absolute: "object n at the belt end", never "one step further".
-* A scan is younger than the stop of everything that moves.
+* A scan is younger than the stop of everything that moves. Both are told on the cell's clock: real devices
+  use `time.monotonic`, so that no setting of the time of day changes their order; simulated ones have their
+  own.
 * Poses are in the robot's world; a cell that is composed of devices brings them into the belt's frame.
 * A device whose controller was restarted has another `boot_id`: what it no longer remembers is unknown, not
   undone.
@@ -22,6 +25,9 @@ from typing import Protocol, runtime_checkable
 
 from beltsort.cell.commands import TIMEOUT, Outcome
 from beltsort.geometry import BeltLayout, Points, Pose
+
+NOWHERE = -1
+"""The position of a belt that moves, stands between two objects, or was not told where it stands."""
 
 
 @dataclass(frozen=True)
@@ -65,12 +71,16 @@ class Health:
         Why it is not ready, in words; empty if it is.
     emergency_stop
         Whether the emergency stop is pressed.
+    needs_home
+        Whether it takes no commands until a person has told it which object is at the belt end
+        (`Homing.home`).
     """
 
     ready: bool
     boot_id: str
     fault: str = ""
     emergency_stop: bool = False
+    needs_home: bool = False
 
 
 class Device(Protocol):
@@ -86,10 +96,17 @@ class Device(Protocol):
 class Actuator(Device, Protocol):
     """A device that acts on commands."""
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, boot_id: str = "", /) -> Outcome:
         """Tell what became of a command; `NOT_DONE` for one that never arrived.
 
-        `UNKNOWN` if the device has forgotten what it did, after a restart for example.
+        `UNKNOWN` if the device may have forgotten what it did, after a restart for example.
+
+        Parameters
+        ----------
+        command_id
+            The command's.
+        boot_id
+            `Health.boot_id` from before it was sent; empty if that is not known.
         """
 
 
@@ -126,10 +143,31 @@ class Sorter(Actuator, Protocol):
 
 @runtime_checkable
 class Homing(Protocol):
-    """A belt that must be told where it stands."""
+    """A belt that a person must tell where it stands, when it does not know. Nothing else ever homes it."""
 
     def home(self, index: int, *, timeout: float = TIMEOUT) -> None:
         """Take it that object number `index` of the run is at the belt end."""
+
+
+@runtime_checkable
+class TellsPosition(Protocol):
+    """A belt that knows where it stands."""
+
+    def position(self) -> int | None:
+        """Return the number of the object at the belt end.
+
+        `NOWHERE` while the belt moves, stands between two objects, or was not told; None if it is not set up
+        for that. Raises `CommandError` if it cannot be reached.
+        """
+
+
+@runtime_checkable
+class Addressed(Protocol):
+    """A device that only one run may drive at a time."""
+
+    @property
+    def address(self) -> str:
+        """What names the device on this machine and its networks, such as `opc.tcp://192.168.0.5:4840`."""
 
 
 @runtime_checkable
@@ -164,13 +202,15 @@ class FollowsBelt(Protocol):
 class Restorable(Protocol):
     """A device whose world ends with the process that made it, such as a simulated one."""
 
-    def restore(self, index: int, *, looks: int, taken: bool, clock: float) -> None:
-        """Stand where a run broke off.
+    def restore(self, index: int, *, first: int, looks: int, taken: bool, clock: float) -> None:
+        """Stand where a run begins, or broke off.
 
         Parameters
         ----------
         index
             Number of the object at the belt end.
+        first
+            Number of the first object of the run.
         looks
             Scans since it arrived there.
         taken

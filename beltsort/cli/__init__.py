@@ -5,11 +5,13 @@ exit code, as a default of its parser. Results go to standard output, everything
 """
 
 import shlex
+import signal
 import sys
 from argparse import ArgumentParser
 from collections.abc import Sequence
 
 from beltsort import BeltsortError, __version__
+from beltsort.cell.commands import CommandError, EmergencyStopError
 from beltsort.cell.problems import CellFileError
 from beltsort.cli import (
     bench,
@@ -20,8 +22,10 @@ from beltsort.cli import (
     demo,
     estimate,
     evaluate,
+    exit_codes,
     explain,
     export,
+    home,
     info,
     plan,
     prepare,
@@ -33,10 +37,14 @@ from beltsort.cli import (
     train,
     viewpoints,
 )
+from beltsort.errors import JournalNotWrittenError
+from beltsort.interrupts import Interrupted
+from beltsort.locks import InUseError
 
 COMMANDS = (
     demo,
     run,
+    home,
     check,
     info,
     plan,
@@ -56,7 +64,6 @@ COMMANDS = (
     explain,
     reproduce,
 )
-FAILED, INTERRUPTED = 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -70,7 +77,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0, 1 when a check exceeds a limit, 2 for an error (of usage, too), 130 when interrupted.
+        Exit code, one of `beltsort.cli.exit_codes`.
     """
     given = sys.argv[1:] if argv is None else list(argv)
     arguments = parser().parse_args(given)
@@ -79,13 +86,28 @@ def main(argv: Sequence[str] | None = None) -> int:
         code: int = arguments.run(arguments)
     except CellFileError as error:  # one line for each problem
         print(f"beltsort: error: {arguments.cell} is wrong:\n{error}", file=sys.stderr)
-        return FAILED
+        return exit_codes.WRONG
     except (BeltsortError, OSError, OverflowError) as error:
         print("beltsort: error:", " ".join(str(error).split()), file=sys.stderr)
-        return FAILED
-    except KeyboardInterrupt:
-        return INTERRUPTED
+        return code_of(error)
+    except KeyboardInterrupt as interrupt:
+        number = interrupt.signal if isinstance(interrupt, Interrupted) else signal.SIGINT
+        return exit_codes.SIGNALLED + number
     return code
+
+
+def code_of(error: Exception) -> int:
+    """Return the exit code of an error."""
+    match error:
+        case EmergencyStopError():
+            return exit_codes.EMERGENCY_STOP
+        case CommandError():
+            return exit_codes.TRY_AGAIN
+        case JournalNotWrittenError():
+            return exit_codes.NOT_WRITTEN
+        case InUseError():
+            return exit_codes.IN_USE
+    return exit_codes.WRONG
 
 
 def parser() -> ArgumentParser:

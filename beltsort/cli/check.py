@@ -5,14 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.cells import add_cell, tell_pretence
+from beltsort.cli.exit_codes import EXCEEDED
 from beltsort.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
     from beltsort.cell.check import CellCheck, View
     from beltsort.cell.composed import ComposedCell
     from beltsort.cell.wrappers.recorder import Recorded
-
-EXCEEDED = 1
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -36,18 +35,22 @@ def run(arguments: Namespace) -> int:
     from beltsort.cell.check import check_cell
     from beltsort.cell.composed import compose
     from beltsort.cell.description import CellDescription
+    from beltsort.locks import devices_locked
 
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     description = CellDescription.load(arguments.cell)
     calls: list[Recorded] = []
+    devices: list[object] = []
     cell = compose(
         description,
         live=arguments.live,
         say=lambda line: console.print(line, markup=False),
         record=calls.append,
+        made=devices.append,
     )
     tell_pretence(console, description, cell)
-    found = check_cell(cell, description.check)
+    with devices_locked(devices):
+        found = check_cell(cell, description.check)
     if arguments.json:
         print_json(as_json(cell, found, calls) | {"limits": description.check.model_dump()})
     else:

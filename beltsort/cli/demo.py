@@ -34,13 +34,12 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from rich.console import Console
-
+    from beltsort.cli.console import LastingConsole
     from beltsort.experiments.demo import as_json, check_seed, run_demo
     from beltsort.runs import make_folder, run_name
     from beltsort.tables.prepare import prepare
 
-    console = Console(stderr=arguments.json, highlight=False, soft_wrap=True)
+    console = LastingConsole(stderr=arguments.json, highlight=False, soft_wrap=True)
     # Whatever can be refused is refused before minutes are spent.
     check_seed(arguments.seed)
     recipe = recipe_of(arguments)

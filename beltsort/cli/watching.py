@@ -4,11 +4,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from beltsort.journal import Listener
+from beltsort.journal import Entry, Listener
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from beltsort.cli.console import LastingConsole
     from beltsort.tables.prepare import StageProgress
     from beltsort.tables.processes import Progress
 
@@ -45,7 +46,7 @@ def _plain_progress(console: "Console", name: str) -> "Progress":
 
 
 @contextmanager
-def listening(console: "Console") -> Iterator[Listener]:
+def listening(console: "LastingConsole") -> Iterator[Listener]:
     """Yield what shows the run: a live view, or a line per event where there is no terminal."""
     if console.is_terminal:
         from beltsort.cli.live import LiveView
@@ -56,4 +57,11 @@ def listening(console: "Console") -> Iterator[Listener]:
     from beltsort.cli.narrate import Narrator
 
     narrator = Narrator()
-    yield lambda entry: console.print(line) if (line := narrator.line(entry)) else None
+
+    def listen(entry: Entry) -> None:
+        if line := narrator.line(entry):
+            console.print(line)
+        if console.gone:
+            raise OSError("standard output was closed")  # which the journal notes
+
+    yield listen

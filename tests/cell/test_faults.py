@@ -156,7 +156,7 @@ class Press:
     def health(self) -> Health:
         return Health(ready=True, boot_id="press")
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         return Outcome.DONE if command_id in self.acts else Outcome.NOT_DONE
 
     def times(self, command_id: str) -> int:

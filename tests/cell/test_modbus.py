@@ -27,6 +27,7 @@ from beltsort.cell.modbus.registers import (
     encode_reply,
     encode_request,
 )
+from beltsort.cell.protocols import NOWHERE
 from beltsort.errors import CellError
 from tests.contract.peers import ModbusPeer, ModbusTlsPeer
 from tests.laws import cases
@@ -44,8 +45,8 @@ replies = st.builds(
     phase=st.sampled_from(Phase),
     reason=u16,
     age=u32,
-    boot=u32,
-    position=i32,
+    boot=st.integers(1, 2**32 - 1),
+    position=st.integers(NOWHERE, 2**31 - 1),
     remembered=u16,
     forgotten=u32,
     ready=st.booleans(),
@@ -171,9 +172,10 @@ def test_a_write_without_an_answer_is_not_repeated() -> None:
     [
         ({"port": 0}, r"\bport\b.*\b0\b.*\b1\b.*\b65535\b"),
         ({"port": 502, "unit": 256}, r"\bunit\b.*\b256\b.*\b0\b.*\b255\b"),
-        ({"port": 502}, r"certificate, private_key and trust\b.*\ballow_insecure\b"),
+        ({"port": 502}, r"certificate, private_key and trust\b.*\btunnel\b"),
+        ({"port": 502, "allow_insecure": True}, r"'192\.168\.0\.5'.*\b127\.0\.0\.1\b"),
         (
-            {"port": 502, "allow_insecure": True, "answer_timeout": -1.0},
+            {"host": "127.0.0.1", "port": 502, "allow_insecure": True, "answer_timeout": -1.0},
             r"\banswer_timeout\b.*-1\.0\b.*\b0\b",
         ),
     ],

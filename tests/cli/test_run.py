@@ -14,7 +14,7 @@ import beltsort
 from beltsort.cell.registry import BUILT_IN
 from beltsort.cell.simulated import CellConfig
 from beltsort.cell.simulated.backend import BACKEND
-from beltsort.cli import main
+from beltsort.cli import exit_codes, main
 from beltsort.journal import read_journal
 from beltsort.perception import NearestNeighbour
 from beltsort.progress import Progress
@@ -29,6 +29,14 @@ pytestmark = pytest.mark.process
 
 REAL = dataclasses.replace(BACKEND, harmless=False)
 """The simulated cell, taken for a real one."""
+
+FULL_BIN = (
+    "[planner]",
+    "[rules]\nretry_delays = [0.0, 0.0]\n[faults]\nschedule = ["
+    + ", ".join(f'{{command = "sort", number = {n}, kind = "full_bin"}}' for n in (1, 2, 3))
+    + "]\n[planner]",
+)
+"""A change of the cell file: the sorter's bin is full as often as the first sort is tried."""
 
 PREPARE = "[prepare]\ntraining_objects = 40\ntable_objects = 100"
 
@@ -78,7 +86,9 @@ def test_a_run_sorts_every_object_and_keeps_its_record(
     assert entries[0].data["belt_ends"]
     assert entries[-1].data == {"reason": "done"}
     calls = [json.loads(line) for line in (run / "calls.jsonl").read_text().splitlines()]
-    assert [call["device"] for call in calls[:4]] == ["arm", "camera", "belt", "sorter"], "asked for health"
+    asked = [(call["device"], call["call"]["name"]) for call in calls[:5]]
+    assert asked[0] == ("belt", "position")
+    assert asked[1:] == [(device, "health") for device in ("arm", "camera", "belt", "sorter")]
     done = {e.data["command_id"] for e in entries if e.kind == "outcome"}
     assert {call["call"]["command_id"] for call in calls if call["call"]["command_id"]} == done
     assert beltsort.SortingModel.load(run / "model.json").positions == 2
@@ -127,18 +137,16 @@ def test_without_live_nothing_real_moves(
 def test_a_failing_command_ends_the_run_and_stops_the_devices(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    times = ", ".join(f'{{command = "sort", number = {n}, kind = "full_bin"}}' for n in (1, 2, 3))
-    fault = f"[faults]\nschedule = [{times}]\n[planner]"
-    assert main(["run", cell_file(folder, ("[planner]", fault)), "--objects", "2"]) == 2
+    assert main(["run", cell_file(folder, FULL_BIN), "--objects", "2"]) == exit_codes.TRY_AGAIN
     said = capsys.readouterr()
-    assert re.search(r"sort \d\b.*\b3 times\b.*--settle done\b.*--settle not-done\b", said.err)
+    assert re.search(r"held at sort \d\b.*\b3 times\b.*\bfull\b", said.err)
     assert "bin full" in said.out
     assert "faults on purpose" in said.out
     (run,) = (folder / "runs").iterdir()
     assert "HeldError" in read_journal(run / "journal.sqlite")[-1].data["reason"]
     calls = [json.loads(line) for line in (run / "calls.jsonl").read_text().splitlines()]
-    assert [call["call"]["name"] for call in calls[-5:]] == ["sort", *["stop"] * 4]
-    assert "full" in calls[-5]["error"]
+    assert [call["call"]["name"] for call in calls[-4:]] == ["stop"] * 4
+    assert sum("full" in (call["error"] or "") for call in calls) == 3
 
 
 def test_a_classifier_of_other_classes_is_refused_before_anything_moves(
@@ -219,13 +227,11 @@ def test_help_of_the_real_command() -> None:
 
 
 def test_a_held_run_goes_on_when_it_is_resumed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    times = ", ".join(f'{{command = "sort", number = {n}, kind = "full_bin"}}' for n in (1, 2, 3))
-    fault = f"[faults]\nschedule = [{times}]\n[planner]"
-    assert main(["run", cell_file(folder, ("[planner]", fault)), "--objects", "2"]) == 2
+    assert main(["run", cell_file(folder, FULL_BIN), "--objects", "2"]) == exit_codes.TRY_AGAIN
     (run,) = (folder / "runs").iterdir()
     capsys.readouterr()
     whole = cell_file(folder)
-    assert main(["run", whole, "--resume", str(run), "--settle", "not-done", "--json"]) == 0
+    assert main(["run", whole, "--resume", str(run), "--json"]) == 0
     assert [decision["object"] for decision in result_of(capsys)["decisions"]] == [0, 1]
     assert main(["run", whole, "--resume", str(folder / "none")]) == 2
     assert re.search(r"/none/journal\.sqlite\b", capsys.readouterr().err)
@@ -249,7 +255,7 @@ def test_tables_that_do_not_hold_are_told_and_hold_the_run(
     model = beltsort.SortingModel(CellConfig().classes, ["p1", "p2", "p3"], sure, arrival=standard, r_min=500)
     model.save(folder / "cell" / "model.json")
     drift = "[drift]\nfalse_alarm = 0.2\nhold = true\n[planner]"
-    assert main(["run", cell_file(folder, ("[planner]", drift))]) == 2
+    assert main(["run", cell_file(folder, ("[planner]", drift))]) == exit_codes.NEEDS_PERSON
     said = capsys.readouterr()
     assert "warning: labels" in said.out
     assert re.search(r"\d drift alarms\b.*\bdrift\.hold\b", said.err)
@@ -286,11 +292,12 @@ def test_belt_and_sorter_over_opc_ua(folder: Path, capsys: pytest.CaptureFixture
         assert main(["run", cell, "--objects", "3", "--json"]) == 0
         assert result_of(capsys)["dry_run"] == ["belt", "sorter"]
         assert peer.push("look")["bins"] == [0] * 5
-        for _ in range(2):  # a second run counts its objects from 0 again
+        for first in (0, 3):  # a second run goes on where the belt stands
             assert main(["run", cell, "--objects", "3", "--live", "--json"]) == 0
-            assert len(result_of(capsys)["decisions"]) == 3
+            decisions = result_of(capsys)["decisions"]
+            assert [decision["object"] for decision in decisions] == [first, first + 1, first + 2]
         seen = peer.push("look")
         assert sum(seen["bins"]) == 6
-        assert seen["position"] == 3
+        assert seen["position"] == 6
     finally:
         peer.close()

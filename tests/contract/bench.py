@@ -40,6 +40,7 @@ class Bench(Generic[Kind]):
     def __init__(self, peer: Kind, role: str, account: Account) -> None:
         self.peer, self.role = peer, role
         self.device: Any = peer.ready(role)
+        self._boot_id = self.device.health().boot_id
         self._account = account
 
     def suffers(self) -> None:
@@ -57,10 +58,14 @@ class Bench(Generic[Kind]):
         """Return what became of a command, once the device can tell."""
 
         def told() -> Outcome | None:
-            outcome = Outcome(self.device.outcome_of(command_id))
-            return None if outcome is Outcome.UNKNOWN else outcome
+            outcome = self.outcome_of(command_id)
+            return None if outcome in (Outcome.UNKNOWN, Outcome.RUNNING) else outcome
 
         return wait_until(told, f"the outcome of {command_id}")
+
+    def outcome_of(self, command_id: str) -> Outcome:
+        """Return what became of a command that was sent after this bench was made."""
+        return Outcome(self.device.outcome_of(command_id, self._boot_id))
 
     @property
     def world(self) -> int:

@@ -16,11 +16,11 @@ from typing import Any, ClassVar
 from beltsort.cell import within
 from beltsort.cell.controller import FieldbusDevice
 from beltsort.cell.controller.pki import Identity, identity
-from beltsort.cell.controller.wire import NOWHERE
 from beltsort.cell.modbus import ModbusOptions
 from beltsort.cell.modbus import make as make_modbus
 from beltsort.cell.opcua import OpcuaOptions
 from beltsort.cell.opcua import make as make_opcua
+from beltsort.cell.protocols import NOWHERE
 from tests.contract.in_process import DryRunPeer, InProcessPeer, ReplayPeer, SimulatedPeer
 from tests.contract.peer import PATIENCE, Peer, ProcessPeer
 from tests.contract.ros1_peer import Ros1Peer

@@ -102,7 +102,7 @@ class Ros1Peer(SeeingPeer, ProcessPeer):
         self._rig.tell(mute=False)
 
     def now(self) -> float:
-        return time.time()
+        return time.monotonic()
 
     def looked_at(self, index: int) -> None:
         self.mend()

@@ -67,9 +67,9 @@ def test_a_camera_that_is_killed_or_hangs_gives_no_scan(
         account.injected(named(kind))
         hurt()
         with pytest.raises(CommandError) as error:
-            camera.scan(not_before=time.time() + 0.1, timeout=0.5)
+            camera.scan(not_before=time.monotonic() + 0.1, timeout=0.5)
         assert error.value.outcome is Outcome.NOT_DONE
         assert not camera.health().ready
         heal()
-        looked(peer, camera, time.time(), timeout=10.0)
+        looked(peer, camera, time.monotonic(), timeout=10.0)
     assert camera.health().boot_id != boot_id

@@ -64,4 +64,4 @@ def test_refusals_say_that_nothing_was_done_and_leave_the_id_free(device: BeltAn
 
 def test_what_was_never_sent_is_not_done(device: BeltAndSorter) -> None:
     device.advance_to(1, new_id())
-    assert device.outcome_of(new_id()) is Outcome.NOT_DONE
+    assert device.outcome_of(new_id(), device.health().boot_id) is Outcome.NOT_DONE

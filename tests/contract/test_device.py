@@ -152,18 +152,22 @@ def test_a_command_that_may_have_been_forgotten_is_unknown_and_not_repeated() ->
     for index in range(1, 4):
         device.advance_to(index, f"advance-{index}")
     assert device.outcome_of("sort") is Outcome.UNKNOWN
-    with pytest.raises(CommandError, match=r"\bforgotten\b.*home\(\)") as error:
+    with pytest.raises(CommandError, match=r"\bforgotten\b.*\banother command id\b") as error:
         device.sort(2, "sort")
     assert error.value.outcome is Outcome.UNKNOWN
     assert sum(station.bins) == 0
 
 
-def test_what_an_earlier_program_sent_is_unknown_as_long_as_the_controller_remembers_nothing() -> None:
-    station = Station()
+def test_what_an_earlier_program_sent_is_unknown_unless_the_controller_still_remembers_that_time() -> None:
+    station = Station(Machine(sort_seconds=0.0, advance_seconds=0.0, memory=2))
     device = station.device()
-    assert device.outcome_of("earlier") is Outcome.UNKNOWN
-    device.advance_to(1, "advance")
-    assert device.outcome_of("earlier") is Outcome.NOT_DONE
+    boot_id = device.health().boot_id
+    assert device.outcome_of("earlier") is Outcome.UNKNOWN, "who knows when it was sent?"
+    assert device.outcome_of("earlier", "another") is Outcome.UNKNOWN, "the controller has restarted since"
+    assert device.outcome_of("earlier", boot_id) is Outcome.NOT_DONE
+    for index in range(1, 4):
+        device.advance_to(index, f"advance-{index}")
+    assert device.outcome_of("earlier", boot_id) is Outcome.UNKNOWN, "it may have been forgotten"
 
 
 def test_an_answer_to_somebody_else_is_not_taken_for_ones_own() -> None:

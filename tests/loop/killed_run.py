@@ -61,7 +61,7 @@ class FileWorld:
     def stop(self) -> None:
         pass
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         done = self.database.execute("SELECT count(*) FROM acts WHERE id = ?", (command_id,)).fetchone()[0]
         return Outcome.DONE if done else Outcome.NOT_DONE
 

@@ -66,7 +66,7 @@ class ScriptedCell:
     def stop(self) -> None:
         self.stops += 1
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         return Outcome.DONE if command_id in self.command_ids else Outcome.NOT_DONE
 
     def _act(self, name: str, target: int, command_id: str) -> None:

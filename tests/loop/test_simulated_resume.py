@@ -37,7 +37,13 @@ def run(folder: Path, interrupt_at: int | None = None, *, resume: bool = False) 
         with Journal(path, listener) as journal:
             return sort_objects(cell, perceive, planner, MODEL, journal, objects=len(TRUE))
     progress = progress_in(path)
-    cell.restore(progress.index, looks=progress.glances, taken=progress.taken, clock=progress.stopped)
+    cell.restore(
+        progress.index,
+        first=progress.first,
+        looks=progress.glances,
+        taken=progress.taken,
+        clock=progress.stopped,
+    )
     with Journal(path, resume=True) as journal:
         return resume_sorting(cell, perceive, planner, journal)
 

@@ -9,6 +9,7 @@ import pytest
 
 import beltsort
 from beltsort import Belief, Decide, Move
+from beltsort.commander import HeldError
 from beltsort.errors import CellError
 from beltsort.journal import Entry, Journal, read_journal
 from beltsort.policy import Policy
@@ -180,11 +181,11 @@ def test_impossible_labels_are_dropped_and_end_the_looking(tmp_path: Path) -> No
 
 def test_unusable_scans_are_repeated_then_reported(tmp_path: Path) -> None:
     scans: list[Sequence[Glimpse] | str] = [UNUSABLE, [1, None], UNUSABLE, UNUSABLE, UNUSABLE]
-    with pytest.raises(CellError, match=r"\b3 scans\b.*\bunusable\b"):
+    with pytest.raises(HeldError, match=r"\b3 scans\b.*\bunusable\b"):
         run(tmp_path, ScriptedCell(PAPER), scans, LookOnceEach(), objects=2)
     entries = read_journal(tmp_path / "journal.sqlite")
     assert sum(entry.kind == "bad_scan" for entry in entries) == 4
-    assert "CellError" in entries[-1].data["reason"]
+    assert "HeldError" in entries[-1].data["reason"]
 
 
 @pytest.mark.parametrize("call", range(1, 7))

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.cell import EmergencyStopError, Outcome, Scan
+from beltsort.cell import EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.composed import ComposedCell
 from beltsort.cell.wrappers.fault_kinds import Fault
 from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
-from beltsort.command import Command
+from beltsort.commander import Answer, Hold
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
 from beltsort.journal import Entry, Journal
@@ -124,10 +124,12 @@ class Run:
             self.camera.first = (entry.object or 0) + 1
             self.memory.setdefault(entry.object or 0, megabytes())
 
-    def _told(self, command: Command, reason: str) -> Outcome:
+    def _told(self, hold: Hold) -> Answer | None:
         """Look: what was decided is in its bin, or not."""
-        at_its_end = command.name == "sort" and sum(self.bins) == self.camera.first
-        return Outcome.DONE if at_its_end else Outcome.NOT_DONE
+        if not hold.answers:
+            return None
+        assert hold.answers == (Answer.DONE, Answer.NOT_DONE), hold
+        return Answer.DONE if sum(self.bins) == self.camera.first else Answer.NOT_DONE
 
 
 def perceived(scan: Scan) -> Sequence[Glimpsed]:

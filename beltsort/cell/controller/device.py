@@ -6,8 +6,8 @@ from collections.abc import Callable
 from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
 from beltsort.cell.controller.line import Connect, Deadline, Line
 from beltsort.cell.controller.link import Order
-from beltsort.cell.controller.wire import OUTCOMES, Phase, Reason, Reply, Verb, explained, key_of
-from beltsort.cell.protocols import Health
+from beltsort.cell.controller.wire import NEED_HOME, OUTCOMES, Phase, Reason, Reply, Verb, explained, key_of
+from beltsort.cell.protocols import NOWHERE, Health
 
 COMMAND_POLL = 0.02
 """Seconds between two looks whether a command has ended."""
@@ -26,8 +26,8 @@ class FieldbusDevice:
     ----------
     connect
         Builds a connection.
-    name
-        Names the controller in errors.
+    address
+        Names the controller in errors, and to the lock that lets only one run drive it.
     answer_timeout
         Seconds that the controller may take to acknowledge a request.
     clock
@@ -35,12 +35,12 @@ class FieldbusDevice:
     """
 
     def __init__(
-        self, connect: Connect, name: str, answer_timeout: float, clock: Callable[[], float]
+        self, connect: Connect, address: str, answer_timeout: float, clock: Callable[[], float]
     ) -> None:
         self._line = Line(connect, answer_timeout)
-        self._name = name
+        self.address = address
+        self._name = f"the controller at {address}"
         self._clock = clock
-        self._first_boot: int | None = None
         self._sent: dict[str, tuple[int, int]] = {}  # (boot, forgotten) before each command not done
 
     def connect(self) -> None:
@@ -57,9 +57,10 @@ class FieldbusDevice:
         fault = reply.fault or (Reason.EMERGENCY_STOP if reply.emergency_stop else Reason.NONE)
         return Health(
             ready=reply.ready,
-            boot_id=f"{reply.boot:08x}",
+            boot_id=_boot_id(reply),
             fault="" if reply.ready else explained(fault),
             emergency_stop=reply.emergency_stop,
+            needs_home=reply.fault in NEED_HOME,
         )
 
     def stop(self) -> None:
@@ -69,7 +70,7 @@ class FieldbusDevice:
     def home(self, index: int, *, timeout: float = TIMEOUT) -> None:
         """Tell the controller that object number `index` is at the belt end.
 
-        Call it after somebody has looked: before a run, after a restart of the controller, after a fault.
+        Only after somebody has looked: when the controller was started, or after a fault.
         """
         what = f"homing to object {index}"
         self._check(self._ask(Order(Verb.HOME, index), Deadline(timeout), what), what)
@@ -87,7 +88,11 @@ class FieldbusDevice:
         order = Order(Verb.SORT, label, key_of(command_id))
         self._command(order, command_id, f"the sort into bin {label}", timeout)
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def position(self) -> int:
+        """Return the number of the object at the belt end, or `NOWHERE`."""
+        return self._ask(Order(Verb.LOOK), Deadline(TIMEOUT), "looking").position
+
+    def outcome_of(self, command_id: str, boot_id: str = "", /) -> Outcome:
         """Tell what became of a command.
 
         `NOT_DONE` is final: asking makes the controller ignore whatever is still on its way. An id that the
@@ -98,11 +103,10 @@ class FieldbusDevice:
         reply = self._ask(recall, Deadline(TIMEOUT), what, Outcome.UNKNOWN)
         if reply.phase is not Phase.FORGOTTEN:
             return OUTCOMES[reply.phase]
-        state = (reply.boot, reply.forgotten)
         if command_id in self._sent:
-            never_arrived = self._sent[command_id] == state
+            never_arrived = self._sent[command_id] == (reply.boot, reply.forgotten)
         else:
-            never_arrived = reply.remembered > 0 and state == (self._first_boot, 0)
+            never_arrived = (_boot_id(reply), reply.forgotten) == (boot_id, 0)
         return Outcome.NOT_DONE if never_arrived else Outcome.UNKNOWN
 
     def _command(self, order: Order, command_id: str, what: str, timeout: float) -> float:
@@ -115,7 +119,7 @@ class FieldbusDevice:
             if deadline.left < LAST_LOOK:
                 raise CommandError(
                     f"{what} still acts after {timeout:g} s; stop it, or wait and ask what became of it",
-                    Outcome.UNKNOWN,
+                    Outcome.RUNNING,
                 )
             time.sleep(COMMAND_POLL)
             reply = self._ask(recall, deadline, what, Outcome.UNKNOWN)
@@ -129,7 +133,7 @@ class FieldbusDevice:
         if self._sent.setdefault(command_id, state) != state and before.phase is Phase.FORGOTTEN:
             raise CommandError(
                 f"{what} was sent before; {self._name} has since restarted or forgotten it, and it may have "
-                "been done, expected no repetition; look, call home(), and use another command id",
+                "been done, expected no repetition; look, and use another command id",
                 Outcome.UNKNOWN,
             )
 
@@ -142,7 +146,7 @@ class FieldbusDevice:
                 f"{self._name} was restarted during {what} and has forgotten it; look what became of it",
                 Outcome.UNKNOWN,
             )
-        where = "somewhere unknown" if reply.position < 0 else f"at object {reply.position}"
+        where = "at no object" if reply.position == NOWHERE else f"at object {reply.position}"
         kind = EmergencyStopError if reply.reason == Reason.EMERGENCY_STOP else CommandError
         raise kind(
             f"{what} ended as {reply.phase.name.lower().replace('_', ' ')}, expected done: "
@@ -153,16 +157,13 @@ class FieldbusDevice:
     def _ask(self, order: Order, deadline: Deadline, what: str, lost: Outcome = Outcome.NOT_DONE) -> Reply:
         """Ask what may be asked twice; without an answer, the outcome of what it is asked for is `lost`."""
         try:
-            reply = self._line.insist(order, deadline)
+            return self._line.insist(order, deadline)
         except Exception as failure:  # whatever the driver raises
             raise CommandError(
                 f"{what}: {self._name} cannot be asked ({type(failure).__name__}: {failure}); check that it "
                 "runs, its address and certificates",
                 lost,
             ) from failure
-        if self._first_boot is None:
-            self._first_boot = reply.boot
-        return reply
 
     def _order(self, order: Order, deadline: Deadline, what: str) -> Reply:
         """Send a command, never twice."""
@@ -173,3 +174,7 @@ class FieldbusDevice:
                 f"{what} was sent, then: {type(failure).__name__}: {failure}; ask what became of it",
                 Outcome.UNKNOWN,
             ) from failure
+
+
+def _boot_id(reply: Reply) -> str:
+    return f"{reply.boot:08x}"

@@ -4,7 +4,7 @@ import time
 from importlib.util import find_spec
 from typing import NamedTuple, Protocol
 
-from beltsort.cell.controller.wire import Reply, Request, Verb, following, is_ahead
+from beltsort.cell.controller.wire import GarbageError, Reply, Request, Verb, following, is_ahead
 from beltsort.errors import CellError
 
 ACKNOWLEDGE_POLL = 0.002
@@ -18,7 +18,7 @@ class Link(Protocol):
         """Write a request, all of it at once."""
 
     def read(self) -> Reply:
-        """Read the latest reply, all of it at once."""
+        """Read the latest reply, all of it at once. Raises `GarbageError` if it is none."""
 
     def close(self) -> None:
         """Give the connection up without waiting for the other side."""
@@ -57,7 +57,7 @@ class Conversation:
     """
 
     def __init__(self, link: Link, sent: int | None) -> None:
-        answered = link.read().sequence
+        answered = _answered(link)
         self._link = link
         self.sequence = following(sent if sent is not None and is_ahead(sent, of=answered) else answered)
 
@@ -72,11 +72,11 @@ class Conversation:
         end = time.monotonic() + seconds
         self.sequence = following(self.sequence)
         self._link.write(Request(self.sequence, *order))
-        while (reply := self._link.read()).sequence != self.sequence:
+        while (reply := self._reply()) is None:
             if time.monotonic() > end:
                 raise LinkError(
-                    f"the controller acknowledged request {reply.sequence}, expected {self.sequence} within "
-                    f"{seconds:g} s; see whether its program runs"
+                    f"the controller acknowledged request {_answered(self._link)}, expected {self.sequence} "
+                    f"within {seconds:g} s; see whether its program runs, and whether another one commands it"
                 )
             time.sleep(ACKNOWLEDGE_POLL)
         if (reply.verb, reply.key) != (order.verb, order.key):
@@ -89,6 +89,24 @@ class Conversation:
     def close(self) -> None:
         """Give the connection up."""
         self._link.close()
+
+    def _reply(self) -> Reply | None:
+        """Return the reply to the last request, or None while an earlier one stands there, garbage or not."""
+        try:
+            reply = self._link.read()
+        except GarbageError as garbage:
+            if garbage.sequence == self.sequence:
+                raise
+            return None
+        return reply if reply.sequence == self.sequence else None
+
+
+def _answered(link: Link) -> int:
+    """Return the sequence of the latest reply. The rest may be garbage from before the controller ran."""
+    try:
+        return link.read().sequence
+    except GarbageError as garbage:
+        return garbage.sequence
 
 
 def require(package: str, extra: str) -> None:

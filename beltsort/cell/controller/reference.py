@@ -11,7 +11,6 @@ from enum import Enum
 
 from beltsort.cell.controller.wire import (
     MEMORY,
-    NOWHERE,
     Phase,
     Reason,
     Reply,
@@ -19,6 +18,7 @@ from beltsort.cell.controller.wire import (
     Verb,
     is_ahead,
 )
+from beltsort.cell.protocols import NOWHERE
 
 
 class Mishap(Enum):
@@ -173,6 +173,8 @@ class Controller:
 
     def _command(self, request: Request) -> Record:
         """Carry out a command unless its id acted before; keep it in memory only if it acts."""
+        if request.key == 0:
+            return self._ended(request, Phase.NOT_DONE, Reason.OTHER_COMMAND)
         earlier = self._memory.get(request.key)
         if earlier is not None and earlier.phase is not Phase.NOT_DONE:
             if (earlier.verb, earlier.target) == (request.verb, request.target):

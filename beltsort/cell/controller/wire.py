@@ -3,20 +3,23 @@
 `docs/fieldbus.md` specifies the protocol; the numbers here are its numbers.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from hashlib import blake2b
 
 from beltsort.cell.commands import Outcome
-
-NOWHERE = -1
-"""The position of a belt that moves, stands between two objects, or was not homed."""
+from beltsort.cell.protocols import NOWHERE
+from beltsort.errors import CellError
 
 MEMORY = 1000
 """Commands that a controller remembers."""
 
 MAX_BINS = 32
 """Bins that a controller can count."""
+
+READY, EMERGENCY_STOP = 1, 2
+"""Flags of a reply."""
 
 SEQUENCES = 1 << 16
 """Sequence numbers are counted modulo this."""
@@ -59,10 +62,10 @@ class Phase(IntEnum):
 
 
 OUTCOMES = {
-    Phase.RUNNING: Outcome.UNKNOWN,
+    Phase.RUNNING: Outcome.RUNNING,
     Phase.DONE: Outcome.DONE,
     Phase.NOT_DONE: Outcome.NOT_DONE,
-    Phase.BROKEN_OFF: Outcome.UNKNOWN,
+    Phase.BROKEN_OFF: Outcome.BROKEN_OFF,
 }
 """Outcomes of the commands that a controller remembers."""
 
@@ -86,11 +89,16 @@ class Reason(IntEnum):
     NO_SUCH_VERB = 13
 
 
+NEED_HOME = frozenset({Reason.NOT_HOMED, Reason.STUCK, Reason.OVERSHOT})
+"""Faults that only `HOME` clears, after somebody has looked."""
+
+HOMING = "look, and home it (beltsort home)"
+
 EXPLANATIONS: dict[int, str] = {
     Reason.NONE: "it gives no reason",
     Reason.EMERGENCY_STOP: "the emergency stop is pressed; release it at the machine",
-    Reason.NOT_HOMED: "the controller does not know which object is at the belt end; look, and call home()",
-    Reason.BUSY: "another command still acts; wait for it, or call stop()",
+    Reason.NOT_HOMED: f"the controller does not know which object is at the belt end; {HOMING}",
+    Reason.BUSY: "another command still acts; wait for it, or stop it",
     Reason.BACKWARDS: "the belt moves forward only",
     Reason.OTHER_COMMAND: "its id belongs to another command or target; give every command its own id",
     Reason.NO_SUCH_BIN: "the controller has no such bin",
@@ -98,8 +106,8 @@ EXPLANATIONS: dict[int, str] = {
     Reason.ALREADY_SORTED: "the object at the belt end was sorted already; advance first",
     Reason.BETWEEN_OBJECTS: "the belt stands between two objects; advance first",
     Reason.STOPPED: "it was stopped on the way; look what became of it",
-    Reason.STUCK: "the belt did not move; free it, and call home()",
-    Reason.OVERSHOT: "the belt went too far; look, and call home()",
+    Reason.STUCK: f"the belt did not move; free it, {HOMING}",
+    Reason.OVERSHOT: f"the belt went too far; {HOMING}",
     Reason.NO_SUCH_VERB: "the controller does not know this verb; compare versions of the protocol",
 }
 
@@ -168,6 +176,88 @@ class Reply:
     emergency_stop: bool
     fault: int
     bins: tuple[int, ...]
+
+
+class GarbageError(CellError):
+    """What stands where the controller's reply should is none.
+
+    Parameters
+    ----------
+    field
+        Where the value stands that no reply has.
+    value
+        That value.
+    expected
+        What it should be.
+    sequence
+        Of the reply, if it is one.
+    """
+
+    def __init__(self, field: str, value: object, expected: str, sequence: int) -> None:
+        self.sequence = sequence
+        super().__init__(
+            f"the controller's reply is garbage: {field} is {value}, expected {expected}; see whether its "
+            "program runs, and compare it with docs/fieldbus.md"
+        )
+
+
+def checked(
+    *,
+    sequence: int,
+    verb: int,
+    key: int,
+    phase: int,
+    reason: int,
+    age: int,
+    boot: int,
+    position: int,
+    remembered: int,
+    forgotten: int,
+    flags: int,
+    fault: int,
+    bins: Sequence[int],
+) -> Reply:
+    """Return the reply that was read, if it is one.
+
+    Parameters
+    ----------
+    flags
+        `READY` and `EMERGENCY_STOP`, added up.
+
+    Raises
+    ------
+    GarbageError
+        If a value is none that a reply can hold.
+    """
+    limits = {
+        "phase": (phase, 0, len(Phase) - 1),
+        "boot id": (boot, 1, 2**63 - 1),
+        "position": (position, NOWHERE, 2**31 - 1),
+        "flags": (flags, 0, READY | EMERGENCY_STOP),
+        "number of bins": (len(bins), 0, MAX_BINS),
+        "age": (age, 0, 2**63 - 1),
+        "remembered": (remembered, 0, 2**63 - 1),
+        "forgotten": (forgotten, 0, 2**63 - 1),
+    }
+    for field, (value, least, most) in limits.items():
+        if not least <= value <= most:
+            raise GarbageError(field, value, f"{least} to {most}", sequence)
+    return Reply(
+        sequence,
+        verb,
+        key,
+        Phase(phase),
+        reason,
+        age,
+        boot,
+        position,
+        remembered,
+        forgotten,
+        bool(flags & READY),
+        bool(flags & EMERGENCY_STOP),
+        fault,
+        tuple(bins),
+    )
 
 
 def key_of(command_id: str) -> int:

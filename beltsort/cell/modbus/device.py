@@ -9,7 +9,7 @@ from beltsort.cell.controller.link import require
 from beltsort.cell.modbus.options import ModbusOptions
 
 
-def make(options: ModbusOptions, clock: Callable[[], float] = time.time) -> FieldbusDevice:
+def make(options: ModbusOptions, clock: Callable[[], float] = time.monotonic) -> FieldbusDevice:
     """Return the belt and sorter behind a Modbus server. It connects when first used.
 
     Parameters
@@ -27,5 +27,5 @@ def make(options: ModbusOptions, clock: Callable[[], float] = time.time) -> Fiel
     require("pymodbus", "modbus")
     from beltsort.cell.modbus.link import ModbusLink  # now, so that no connection has to wait for it
 
-    name = f"the controller at {options.host}:{options.port}"
-    return FieldbusDevice(partial(ModbusLink, options), name, options.answer_timeout, clock)
+    address = f"{options.host}:{options.port}"
+    return FieldbusDevice(partial(ModbusLink, options), address, options.answer_timeout, clock)

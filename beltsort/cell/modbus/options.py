@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from beltsort.cell.controller.loopback import check_loopback
 from beltsort.errors import CellError
 
 
@@ -26,7 +27,7 @@ class ModbusOptions:
     answer_timeout
         Seconds that the controller may take to acknowledge a request.
     allow_insecure
-        Leave TLS out: whoever can reach the controller can command it. Then no files are needed.
+        Leave TLS out, on this computer only; then no files are needed.
     """
 
     host: str
@@ -47,9 +48,11 @@ class ModbusOptions:
             raise CellError(f"unit is {self.unit}, expected 0 to 255; usually 1")
         if not self.answer_timeout > 0.0:
             raise CellError(f"answer_timeout is {self.answer_timeout}, expected seconds above 0")
-        if not self.allow_insecure and not (self.certificate and self.private_key and self.trust):
+        if self.allow_insecure:
+            check_loopback(self.host)
+        elif not (self.certificate and self.private_key and self.trust):
             raise CellError(
                 f"certificate, private_key and trust are {self.certificate!r}, {self.private_key!r} and "
-                f"{self.trust!r}, expected paths (docs/fieldbus.md says how to make them); on a network of "
-                "its own, set allow_insecure"
+                f"{self.trust!r}, expected paths; docs/fieldbus.md says how to make them, and how to reach a "
+                "controller without TLS through a tunnel of this computer"
             )

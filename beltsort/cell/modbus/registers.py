@@ -3,7 +3,15 @@
 import struct
 from collections.abc import Sequence
 
-from beltsort.cell.controller.wire import MAX_BINS, Phase, Reply, Request
+from beltsort.cell.controller.wire import (
+    EMERGENCY_STOP,
+    MAX_BINS,
+    READY,
+    GarbageError,
+    Reply,
+    Request,
+    checked,
+)
 
 REQUEST = struct.Struct(">HHiq")
 """sequence, verb, target, key"""
@@ -15,9 +23,6 @@ REQUEST_AT, REPLY_AT = 0, 100
 """Addresses of the first registers."""
 
 REQUEST_COUNT, REPLY_COUNT = REQUEST.size // 2, REPLY.size // 2
-
-READY, EMERGENCY_STOP = 1, 2
-"""Bits of the flags."""
 
 U16, U32 = 2**16 - 1, 2**32 - 1
 
@@ -44,27 +49,17 @@ def encode_reply(reply: Reply) -> list[int]:
 
 
 def decode_reply(words: Sequence[int]) -> Reply:
-    """Return the reply in its registers."""
+    """Return the reply in its registers. Raises `GarbageError` if there is none in them."""
     answer = REPLY.unpack(_bytes(words))
-    sequence, verb, key, phase, reason, age, boot, position, remembered, forgotten, flags, fault, n = answer[
-        :13
-    ]
-    return Reply(
-        sequence=sequence,
-        verb=verb,
-        key=key,
-        phase=Phase(phase),
-        reason=reason,
-        age=age,
-        boot=boot,
-        position=position,
-        remembered=remembered,
-        forgotten=forgotten,
-        ready=bool(flags & READY),
-        emergency_stop=bool(flags & EMERGENCY_STOP),
-        fault=fault,
-        bins=answer[13 : 13 + n],
+    names = (
+        *("sequence", "verb", "key", "phase", "reason", "age", "boot", "position"),
+        *("remembered", "forgotten", "flags", "fault"),
     )
+    values = dict(zip(names, answer, strict=False))
+    number = answer[len(names)]
+    if number > MAX_BINS:
+        raise GarbageError("number of bins", number, f"0 to {MAX_BINS}", values["sequence"])
+    return checked(**values, bins=answer[len(names) + 1 :][:number])
 
 
 def _words(data: bytes) -> list[int]:

@@ -9,7 +9,7 @@ from beltsort.cell.controller.link import require
 from beltsort.cell.opcua.options import OpcuaOptions
 
 
-def make(options: OpcuaOptions, clock: Callable[[], float] = time.time) -> FieldbusDevice:
+def make(options: OpcuaOptions, clock: Callable[[], float] = time.monotonic) -> FieldbusDevice:
     """Return the belt and sorter behind an OPC UA server. It connects when first used.
 
     Parameters
@@ -27,6 +27,4 @@ def make(options: OpcuaOptions, clock: Callable[[], float] = time.time) -> Field
     require("asyncua", "opcua")
     from beltsort.cell.opcua.link import OpcuaLink  # now, so that no connection has to wait for it
 
-    return FieldbusDevice(
-        partial(OpcuaLink, options), f"the controller at {options.endpoint}", options.answer_timeout, clock
-    )
+    return FieldbusDevice(partial(OpcuaLink, options), options.endpoint, options.answer_timeout, clock)

@@ -2,13 +2,21 @@
 
 from typing import Any
 
-from beltsort.cell.controller.wire import Phase, Reply, Request
+from beltsort.cell.controller.wire import (
+    EMERGENCY_STOP,
+    READY,
+    GarbageError,
+    Reply,
+    Request,
+    checked,
+)
 
 NAMESPACE = "urn:beltsort:controller"
 FOLDER = "Beltsort"
 REQUEST = "Request"
 REQUEST_LENGTH = 4
 ANSWER = "Answer"
+ANSWER_LENGTH = 6
 STATE = ("BootId", "Position", "Remembered", "Forgotten", "Ready", "EmergencyStop", "Fault", "Bins")
 REPLY = (ANSWER, *STATE)
 
@@ -36,22 +44,23 @@ def encode_reply(reply: Reply) -> list[Any]:
 
 
 def decode_reply(values: list[Any]) -> Reply:
-    """Return the reply in the nodes `REPLY`."""
+    """Return the reply in the nodes `REPLY`. Raises `GarbageError` if there is none in them."""
     answer, boot, position, remembered, forgotten, ready, emergency_stop, fault, bins = values
+    if not isinstance(answer, list) or len(answer) != ANSWER_LENGTH:
+        raise GarbageError(ANSWER, answer, f"{ANSWER_LENGTH} numbers", 0)
     sequence, verb, key, phase, reason, age = answer
-    return Reply(
+    return checked(
         sequence=sequence,
         verb=verb,
         key=key,
-        phase=Phase(phase),
+        phase=phase,
         reason=reason,
         age=age,
         boot=boot,
         position=position,
         remembered=remembered,
         forgotten=forgotten,
-        ready=ready,
-        emergency_stop=emergency_stop,
+        flags=READY * bool(ready) | EMERGENCY_STOP * bool(emergency_stop),
         fault=fault,
-        bins=tuple(bins),
+        bins=bins,
     )

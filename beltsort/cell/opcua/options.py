@@ -1,9 +1,9 @@
 """How a controller is reached over OPC UA."""
 
 from dataclasses import dataclass
-from ipaddress import ip_address
 from urllib.parse import urlparse
 
+from beltsort.cell.controller.loopback import check_loopback
 from beltsort.errors import CellError
 
 POLICIES = ("Basic256Sha256", "Aes128Sha256RsaOaep", "Aes256Sha256RsaPss")
@@ -52,19 +52,3 @@ class OpcuaOptions:
                 f"certificate, private_key and trust are {self.certificate!r}, {self.private_key!r} and "
                 f"{self.trust!r}, expected paths; docs/fieldbus.md says how to make them"
             )
-
-
-def check_loopback(host: str) -> None:
-    """Refuse to do without security beyond this computer."""
-    if host != "localhost" and not (_is_address(host) and ip_address(host).is_loopback):
-        raise CellError(
-            f"host is {host!r} without security, expected this computer (127.0.0.1); give certificates"
-        )
-
-
-def _is_address(host: str) -> bool:
-    try:
-        ip_address(host)
-    except ValueError:
-        return False
-    return True

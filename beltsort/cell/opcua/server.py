@@ -16,6 +16,7 @@ from asyncua.server.server import Server
 from asyncua.server.user_managers import UserManager
 from cryptography import x509
 
+from beltsort.cell.controller.loopback import check_loopback
 from beltsort.cell.controller.pki import Identity, application_uri, identity
 from beltsort.cell.controller.serving import Panel, free_port, parser, run, serve
 from beltsort.cell.controller.wire import Reply, Request, Verb
@@ -29,7 +30,6 @@ from beltsort.cell.opcua.nodes import (
     encode_request,
     node_id,
 )
-from beltsort.cell.opcua.options import check_loopback
 from beltsort.cell.opcua.trust import trust_store
 
 SECURE = [

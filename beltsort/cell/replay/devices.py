@@ -81,7 +81,7 @@ class Replay:
     def stop(self) -> None:
         """Do nothing: nothing moves."""
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Tell whether a command was carried out."""
         return self._ledger[command_id].outcome if command_id in self._ledger else Outcome.NOT_DONE
 

@@ -61,7 +61,7 @@ class RecordingArm:
         """Stop the arm."""
         self._arm.stop()
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Tell what became of a command."""
         return self._arm.outcome_of(command_id)
 
@@ -94,7 +94,7 @@ class RecordingBelt:
         """Stop the belt."""
         self._belt.stop()
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Tell what became of a command."""
         return self._belt.outcome_of(command_id)
 

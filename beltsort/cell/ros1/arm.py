@@ -62,7 +62,7 @@ class Ros1Arm(Ros1Device):
         news = self._await(deadline)
         self._publish(*self._commanding.halt(self._own(news)), deadline)
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Tell what became of a command, by where the arm stands if its end was not seen."""
         if command_id not in self._ledger:
             return Outcome.UNKNOWN
@@ -108,7 +108,7 @@ class Ros1Arm(Ros1Device):
         while (news := self._await(deadline, number)) is not None:
             number = news.number
             try:
-                return self._pose_in(world, flange, news.stamp, deadline)
+                return self._pose_in(world, flange, news.ros_stamp, deadline)
             except CellError as reason:
                 refused = str(reason)
         raise CommandError(

@@ -1,6 +1,7 @@
 """A belt that counts the objects at its end."""
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
+from beltsort.cell.protocols import NOWHERE
 from beltsort.cell.ros.ledger import Ledger
 from beltsort.cell.ros1.device import HEALTH_TIMEOUT, News, Ros1Device, emergency_stop
 from beltsort.cell.ros1.link import Deadline, Link
@@ -30,12 +31,29 @@ class Ros1Belt(Ros1Device):
         self._options = options
         self._ledger = Ledger()
 
+    def position(self) -> int:
+        """Return the number of the object at the belt end, or `NOWHERE` while the belt moves.
+
+        Raises
+        ------
+        CommandError
+            If the belt reports nothing.
+        """
+        self.connect()
+        state = self._current(Deadline(HEALTH_TIMEOUT))
+        if state is None:
+            raise CommandError(
+                f"the belt reports nothing on {self._topic} within {HEALTH_TIMEOUT:g} s; start it",
+                Outcome.NOT_DONE,
+            )
+        return max(NOWHERE, int(state.message["data"]))
+
     def stop(self) -> None:
         """Tell the belt to stop."""
         self.connect()
         self._publish(self._options.stop_topic, {}, Deadline(HEALTH_TIMEOUT))
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Tell what became of a command, by the object at the belt end where no answer came."""
         if command_id not in self._ledger:
             return Outcome.UNKNOWN

@@ -15,6 +15,9 @@ from beltsort.cell.ros1.options import Ros1CameraOptions
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
+AHEAD = 0.1
+"""Seconds by which a stamp may be later than its arrival: no clocks are synchronised better than that."""
+
 
 class Ros1Camera(Ros1Device):
     """A camera on ROS 1.
@@ -45,7 +48,7 @@ class Ros1Camera(Ros1Device):
         """Do nothing: nothing moves."""
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
-        """Return a scan whose stamp is at or after `not_before` (seconds of ROS time).
+        """Return a scan whose stamp is at or after `not_before`, seconds of the monotonic clock.
 
         Raises
         ------
@@ -53,7 +56,7 @@ class Ros1Camera(Ros1Device):
             If none comes in time; the message says what was wrong with the last cloud.
         """
         if not np.isfinite(not_before):
-            raise CellError(f"not_before is {not_before}, expected a time, seconds of ROS; give a number")
+            raise CellError(f"not_before is {not_before}, expected a time, seconds; give a number")
         deadline = Deadline(timeout)
         self._link.connect(deadline.left())
         number, refused = 0, "none came"
@@ -69,10 +72,15 @@ class Ros1Camera(Ros1Device):
         )
 
     def _scan_of(self, news: News, not_before: float, deadline: Deadline) -> Scan:
+        if news.ahead > AHEAD:
+            raise CellError(
+                f"its stamp {news.ros_stamp:.3f} is {news.ahead:.3f} s later than its arrival, expected at "
+                f"most {AHEAD:g} s; synchronise the clocks of camera and cell"
+            )
         if news.stamp < not_before:
             raise CellError(
-                f"its stamp is {news.stamp:.3f}, {not_before - news.stamp:.3f} s too old, expected "
-                f"{not_before:.3f} or later; look at the camera, and at the clocks"
+                f"its stamp {news.ros_stamp:.3f} is {not_before - news.stamp:.3f} s too old, expected one "
+                "after the stop of everything that moves; look at the camera, and at the clocks"
             )
         frame = news.message["header"]["frame_id"].lstrip("/")
         if frame != self._options.frame.lstrip("/"):
@@ -81,7 +89,7 @@ class Ros1Camera(Ros1Device):
                 "optical frame"
             )
         points = points_of(_cloud(news.message, news.data))
-        return Scan(points, self._pose(frame, news.stamp, deadline), news.stamp, frame)
+        return Scan(points, self._pose(frame, news.ros_stamp, deadline), news.stamp, frame)
 
     def _pose(self, frame: str, stamp: float, deadline: Deadline) -> Pose:
         if self._options.world_frame:

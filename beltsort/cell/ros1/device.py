@@ -26,10 +26,16 @@ HEALTH_TIMEOUT = 1.0
 
 
 class News(NamedTuple):
-    """A message: its number, stamp (seconds), sender, content, and the bytes of a point cloud."""
+    """A message, with the bytes of a point cloud.
+
+    Its stamp is in seconds of this machine's monotonic clock, `ros_stamp` in ROS time as it was sent; `ahead`
+    says by how many seconds it was later than its arrival, which no stamp should be.
+    """
 
     number: int
     stamp: float
+    ros_stamp: float
+    ahead: float
     node: str
     message: dict[str, Any]
     data: bytes
@@ -52,6 +58,11 @@ class Ros1Device:
         self._link, self._topic = link, topic
         self._emergency_stop_topic = emergency_stop_topic
         self._node = ""
+
+    @property
+    def address(self) -> str:
+        """The master and the topic of which the device tells."""
+        return f"{self._link.master.uri}{self._topic}"
 
     def connect(self) -> None:
         """Start our node, if it does not run, and register with the master.
@@ -132,7 +143,8 @@ class Ros1Device:
             after = values["number"]
             if values["message"] is not None:
                 self._node = values["node"]
-                return News(after, values["stamp"], values["node"], values["message"], data)
+                stamps = (values["stamp"], values["ros_stamp"], values["ahead"])
+                return News(after, *stamps, values["node"], values["message"], data)
             if end.left() == 0.0:
                 return None
 

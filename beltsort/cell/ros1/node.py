@@ -9,10 +9,11 @@ import json
 import os
 import sys
 import threading
+import time
 from collections.abc import Callable
 from importlib import import_module
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import Any, NamedTuple
 
 from beltsort.cell.ros.frames import Frames
 from beltsort.cell.ros1.messages import message_class
@@ -36,7 +37,7 @@ class Mailbox:
         self._clock: Callable[[], float] = rospy.get_time
         self._joints = joints if kind == JOINT_STATE else set()
         self._arrival = threading.Condition()
-        self._newest: tuple[int, float, Any] = (0, 0.0, None)
+        self._newest: Arrived = Arrived(0, 0.0, 0.0, None)
         rospy.Subscriber(
             topic,
             message_class(kind),
@@ -50,17 +51,37 @@ class Mailbox:
         if self._joints and not self._joints <= set(message.name):
             return  # of another part of the robot
         with self._arrival:
-            self._newest = (self._newest[0] + 1, self._clock(), message)
+            self._newest = Arrived(self._newest.number + 1, time.monotonic(), self._clock(), message)
             self._arrival.notify_all()
 
-    def newest(self, after: int, wait: float) -> tuple[int, float, Any]:
-        """Return number, time of arrival and content of the newest message if its number is beyond `after`.
+    def newest(self, after: int, wait: float) -> "Arrived":
+        """Return the newest message if its number is beyond `after`.
 
-        Waits for it; the content is None if none came.
+        Waits for it; its content is None if none came.
         """
         with self._arrival:
-            self._arrival.wait_for(lambda: self._newest[0] > after, wait)
-            return self._newest if self._newest[0] > after else (after, 0.0, None)
+            self._arrival.wait_for(lambda: self._newest.number > after, wait)
+            return self._newest if self._newest.number > after else Arrived(after, 0.0, 0.0, None)
+
+
+class Arrived(NamedTuple):
+    """A message: its number, its arrival on the monotonic clock and in ROS time, and its content."""
+
+    number: int
+    at: float
+    ros_time: float
+    message: Any
+
+    @property
+    def stamp(self) -> float:
+        """Its stamp in ROS time; that of its arrival if it has none."""
+        header = getattr(self.message, "header", None)
+        return (0.0 if header is None else float(header.stamp.to_sec())) or self.ros_time
+
+    @property
+    def age(self) -> float:
+        """Seconds from its stamp to its arrival; below 0 if the clocks do not agree or one was set."""
+        return self.ros_time - self.stamp
 
 
 class Node:
@@ -84,14 +105,20 @@ class Node:
             rospy.Subscriber("/tf_static", transforms, self._fixed, queue_size=QUEUE)
 
     def newest(self, topic: str, after: int, wait: float, not_before: float) -> tuple[dict[str, Any], bytes]:
-        """Return the newest message beyond number `after`, and its bytes if it is not stale."""
-        number, received, message = self._mailboxes[topic].newest(after, wait)
+        """Return the newest message beyond number `after`, and its bytes if it is not stale.
+
+        Its "stamp" is brought to the monotonic clock by its age at arrival: clocks that are set while a cell
+        works change the order of nothing.
+        """
+        arrived = self._mailboxes[topic].newest(after, wait)
+        message = arrived.message
         if message is None:
-            return {"number": number, "message": None}, b""
-        stamp = message.header.stamp.to_sec() if hasattr(message, "header") else 0.0
+            return {"number": arrived.number, "message": None}, b""
         answer = {
-            "number": number,
-            "stamp": stamp or received,
+            "number": arrived.number,
+            "stamp": arrived.at - max(0.0, arrived.age),
+            "ros_stamp": arrived.stamp,
+            "ahead": max(0.0, -arrived.age),
             "node": message._connection_header["callerid"],
             "message": plain(message),
         }

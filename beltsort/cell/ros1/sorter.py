@@ -42,7 +42,7 @@ class Ros1Sorter(Ros1Device):
         self.connect()
         self._publish(self._options.stop_topic, {}, Deadline(HEALTH_TIMEOUT))
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Tell what became of a command, by the sorter's record where no answer came."""
         if command_id in self._ledger and self._ledger[command_id].outcome is not Outcome.UNKNOWN:
             return self._ledger[command_id].outcome

@@ -128,7 +128,11 @@ class SimulatedCell:
     def stop(self) -> None:
         """Do nothing: simulated motions take no time between calls."""
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def position(self) -> int:
+        """Return the number of the object at the belt end."""
+        return self._world.first
+
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Tell whether a command was carried out."""
         return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
 
@@ -139,10 +143,10 @@ class SimulatedCell:
             self._world.advance_to(index)
             self._looks = 0
 
-    def restore(self, index: int, *, looks: int, taken: bool, clock: float) -> None:
+    def restore(self, index: int, *, first: int, looks: int, taken: bool, clock: float) -> None:
         """Stand where a run broke off: see `beltsort.cell.protocols.Restorable`."""
-        if index > 0:
-            self._world.advance_to(index)
+        self._world.start = first
+        self._world.advance_to(index)
         if taken:
             self._world.take()
         self._looks, self.clock = looks, clock

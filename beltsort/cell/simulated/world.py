@@ -31,6 +31,8 @@ class World:
 
     Attributes
     ----------
+    start
+        Number of the first object of the run.
     first
         Number of the object at the belt end.
     """
@@ -46,7 +48,7 @@ class World:
         self._objects: dict[int, Mesh] = {}
         self._scene: Scene | None = None
         self._taken = False
-        self.first = 0
+        self.start = self.first = 0
 
     def check_untaken(self) -> None:
         """Refuse to sort an object twice."""
@@ -65,9 +67,10 @@ class World:
     def steps_to(self, index: int) -> int:
         """Return by how many positions the belt has to move for object `index` to reach the belt end."""
         steps = index - self.first
-        if steps < 0 or index > len(self._labels):
+        behind = self.start + len(self._labels)
+        if steps < 0 or index > behind:
             raise CommandError(
-                f"index is {index}, expected {self.first} (now at the belt end) to {len(self._labels)} "
+                f"index is {index}, expected {self.first} (now at the belt end) to {behind} "
                 "(behind the last object); the belt moves forward only",
                 Outcome.NOT_DONE,
             )
@@ -104,7 +107,8 @@ class World:
         return np.array([[start, -half, 0.0], [end, -half, 0.0], [end, half, 0.0], [start, half, 0.0]])
 
     def _label(self, number: int) -> int | None:
-        return self._labels[number] if number < len(self._labels) else None
+        place = number - self.start
+        return self._labels[place] if place < len(self._labels) else None
 
 
 def _carried(mesh: Mesh, centre: Points) -> Mesh:

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from beltsort.cell.commands import TIMEOUT, Outcome
-from beltsort.cell.protocols import Health, Scan, TellsFlangePose
+from beltsort.cell.protocols import Health, Scan, TellsFlangePose, TellsPosition
 from beltsort.geometry import Pose
 
 
@@ -17,8 +17,8 @@ class Call:
     Attributes
     ----------
     name
-        The method's: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop`, `outcome_of` or
-        `flange_pose`.
+        The method's: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop`, `outcome_of`,
+        `flange_pose` or `position`.
     target
         Viewpoint, index, label, or the scan's `not_before`; None if the method has none.
     command_id
@@ -83,10 +83,10 @@ class _Wrapped:
         """End every motion now."""
         self._around(Call("stop"), lambda _call: self._device.stop())
 
-    def outcome_of(self, command_id: str) -> Outcome:
+    def outcome_of(self, command_id: str, boot_id: str = "", /) -> Outcome:
         """Tell what became of a command."""
         asked = Call("outcome_of", command_id=command_id)
-        outcome: Outcome = self._around(asked, lambda call: self._device.outcome_of(call.command_id))
+        outcome: Outcome = self._around(asked, lambda call: self._device.outcome_of(call.command_id, boot_id))
         return outcome
 
     def _command(self, name: str, target: int, command_id: str, timeout: float) -> Any:
@@ -120,6 +120,14 @@ class WrappedBelt(_Wrapped):
         """Bring object number `index` to the belt end."""
         stopped: float = self._command("advance_to", index, command_id, timeout)
         return stopped
+
+    def position(self) -> int | None:
+        """Return the number of the object at the belt end, `NOWHERE`, or None if the belt does not tell."""
+        if not isinstance(self._device, TellsPosition):
+            return None
+        device = self._device
+        position: int | None = self._around(Call("position"), lambda _call: device.position())
+        return position
 
 
 class WrappedSorter(_Wrapped):

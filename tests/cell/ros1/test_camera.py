@@ -16,11 +16,11 @@ pytestmark = pytest.mark.process
 
 
 def test_a_scan_is_what_was_published(camera: Ros1Camera) -> None:
-    now = time.time()
+    now = time.monotonic()
     scan = camera.scan(not_before=now, timeout=10.0)
     np.testing.assert_array_equal(scan.points, scene.POINTS)
     assert scan.frame == "optical"
-    assert now <= scan.stamp <= time.time()
+    assert now <= scan.stamp <= time.monotonic()
     np.testing.assert_array_equal(scan.world_from_camera[:3, :3], np.eye(3))
 
 
@@ -34,7 +34,7 @@ def test_the_pose_is_the_taught_one_where_the_arm_stands(rig: Rig, arm: Ros1Arm)
 
 def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: Rig) -> None:
     with Ros1Camera(dataclasses.replace(scene.camera_by_tf(rig.uri), world_frame="")) as camera:
-        assert np.isnan(camera.scan(not_before=time.time(), timeout=10.0).world_from_camera).all()
+        assert np.isnan(camera.scan(not_before=time.monotonic(), timeout=10.0).world_from_camera).all()
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: Rig) -> None:
 )
 def test_an_unusable_cloud_is_waited_out(rig: Rig, camera: Ros1Camera, cloud: str, said: str) -> None:
     rig.tell(cloud=cloud)
-    now = time.time()
+    now = time.monotonic()
     with pytest.raises(CommandError, match=said) as error:
         camera.scan(not_before=now, timeout=1.5)
     assert error.value.outcome is Outcome.NOT_DONE

@@ -64,7 +64,7 @@ def test_a_frozen_master_is_not_waited_for(rig: Rig, camera: Ros1Camera) -> None
 def frame_unless_ended(camera: Ros1Camera) -> str:
     """Scan; a node whose end is only noticed by asking it is to be asked again."""
     try:
-        return camera.scan(not_before=time.time(), timeout=30.0).frame
+        return camera.scan(not_before=time.monotonic(), timeout=30.0).frame
     except CommandError as reason:
         if "ended" not in str(reason):
             raise
@@ -81,7 +81,7 @@ def test_our_own_node_frozen_or_killed(rig: Rig) -> None:
         with pytest.raises(CommandError, match=r"node\b.*\(newest\).*\d s\b"):
             camera.scan(not_before=0.0, timeout=0.5)
         os.kill(node, signal.SIGCONT)
-        assert camera.scan(not_before=time.time(), timeout=10.0).frame == "optical"
+        assert camera.scan(not_before=time.monotonic(), timeout=10.0).frame == "optical"
         os.kill(node, signal.SIGKILL)
         wait_until(lambda: not alive(node), "our node ends")
         assert wait_until(lambda: frame_unless_ended(camera), "a new node") == "optical"

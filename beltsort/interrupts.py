@@ -1,0 +1,63 @@
+"""Signals that end a run in good order."""
+
+import signal
+from types import FrameType
+from typing import Self
+
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+
+class Interrupted(KeyboardInterrupt):
+    """The process was told to end.
+
+    Attributes
+    ----------
+    signal
+        By which.
+    """
+
+    def __init__(self, number: signal.Signals) -> None:
+        self.signal = number
+        super().__init__(number.name)
+
+
+class Interrupts:
+    """While open, the first signal of `SIGNALS` raises `Interrupted` once, and sets a flag for `check`.
+
+    An exception that a handler raises inside a callback of some library may be swallowed there; the flag is
+    not. Further signals only set it again, so that devices can be stopped in peace. A signal that is ignored
+    (as SIGHUP under nohup) stays so. To be opened in the main thread.
+
+    Examples
+    --------
+    >>> with Interrupts() as interrupts:
+    ...     interrupts.check()
+    """
+
+    def __init__(self) -> None:
+        self._received: signal.Signals | None = None
+        self._before: dict[signal.Signals, object] = {}
+
+    def check(self) -> None:
+        """Raise `Interrupted` if a signal has come."""
+        if self._received is not None:
+            raise Interrupted(self._received)
+
+    def __enter__(self) -> Self:
+        """Handle the signals."""
+        for number in SIGNALS:
+            before = signal.getsignal(number)
+            if before is not signal.SIG_IGN:
+                self._before[number] = before
+                signal.signal(number, self._handle)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Handle them as before."""
+        for number, before in self._before.items():
+            signal.signal(number, before)  # type: ignore[arg-type]
+
+    def _handle(self, number: int, _frame: FrameType | None) -> None:
+        first, self._received = self._received is None, signal.Signals(number)
+        if first:
+            self.check()

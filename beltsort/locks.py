@@ -1,0 +1,87 @@
+"""One run, one process; one live device, one run."""
+
+import hashlib
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from beltsort import BeltsortError
+from beltsort.cell.protocols import Addressed
+
+DEVICES = Path(tempfile.gettempdir()) / "beltsort-devices"
+"""Folder of the locks of devices: one for all users of this machine."""
+
+
+class InUseError(BeltsortError):
+    """Another process works on the same run, or drives the same device."""
+
+
+@contextmanager
+def locked(what: str, path: Path) -> Iterator[None]:
+    """Hold a lock as long as the block runs; the system releases it when the process ends, however it ends.
+
+    Parameters
+    ----------
+    what
+        Names what is locked in the error.
+    path
+        Of the lock; who holds it is written beside it.
+
+    Raises
+    ------
+    InUseError
+        If another process holds it, with that process's id.
+    """
+    holder = path.with_name(f"{path.name}.holder")
+    lock = FileLock(path, timeout=0, mode=0o666)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise InUseError(
+            f"{what} is in use by {_told(holder)}, expected nobody: wait until that ends, or end it (kill)"
+        ) from None
+    except OSError as reason:
+        raise InUseError(f"{what} cannot be locked: {reason}; make {path.parent} writable") from reason
+    try:
+        holder.write_text(json.dumps({"pid": os.getpid(), "command": " ".join(sys.argv)}))
+        yield
+    finally:
+        lock.release()
+
+
+@contextmanager
+def devices_locked(devices: Iterable[object]) -> Iterator[None]:
+    """Hold the locks of those devices that have an address as long as the block runs.
+
+    Raises
+    ------
+    InUseError
+        If another process drives one of them.
+    """
+    try:
+        DEVICES.mkdir(exist_ok=True)
+        if DEVICES.stat().st_uid == os.getuid():
+            DEVICES.chmod(0o1777)
+    except OSError as reason:
+        raise InUseError(f"devices cannot be locked: {reason}; make {DEVICES} writable") from reason
+    with ExitStack() as stack:
+        addresses = {device.address for device in devices if isinstance(device, Addressed)}
+        for address in sorted(addresses):
+            name = hashlib.sha256(address.encode()).hexdigest()[:16]
+            stack.enter_context(locked(f"the device at {address}", DEVICES / f"{name}.lock"))
+        yield
+
+
+def _told(holder: Path) -> str:
+    """Say who holds a lock."""
+    try:
+        told = json.loads(holder.read_text())
+        return f"process {told['pid']} ({told['command']})"
+    except (OSError, ValueError, KeyError):
+        return "another process"
