@@ -59,8 +59,8 @@ laws: build venv  ## the laws on ten times the cases, new ones each time; SEED=.
 	BELTSORT_LAWS=1 PROPTEST_RNG_SEED=$(SEED) cargo test -p beltsort-core
 	BELTSORT_LAWS=1 $(bin)/python -m pytest -m hypothesis --hypothesis-seed=$(SEED)
 
-soak: build venv  ## 100 kills and 1,000 objects with faults
-	$(bin)/python -m pytest tests/soak -m soak -s
+soak: build venv  ## 100 kills, 1,000 objects with faults, 2,000 sequences with a second controller
+	$(bin)/python -m pytest tests/soak tests/second -m soak -s
 
 bench: build venv  ## criterion and pytest-benchmark; on an idle machine
 	cargo bench -p beltsort-benches

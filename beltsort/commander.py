@@ -68,6 +68,10 @@ class Answer(Enum):
     """The belt went past objects, which were not sorted; the run is to go on where it stands."""
 
 
+NUMBER = "NUMBER"
+"""Stands for the number of an object that a person sees."""
+
+
 @dataclass(frozen=True)
 class Way:
     """One way out of a hold.
@@ -79,12 +83,13 @@ class Way:
     answer
         What is then to be answered; None: the run can be resumed without an answer.
     home
-        The object number with which the belt is then to be homed before; None if it need not be.
+        The object number with which the belt is then to be homed before, `NUMBER` if that is what a person
+        sees; None if it need not be.
     """
 
     when: str
     answer: Answer | None = None
-    home: int | None = None
+    home: int | str | None = None
 
     def __str__(self) -> str:
         """Return it in a few words."""
@@ -215,12 +220,8 @@ class Commander:
         HeldError, EmergencyStopError
             As `issue`.
         """
-        index = self._progress.index
-        last = command.target if command.name == "advance" else index
-        if self._belt_stands(range(index, last + 1), command):
-            why = "the run was broken off here"
-            told = self._progress.told
-            self._finish(command, Failure(told, why) if told is not None else self._failure(command, why))
+        why, told = "the run was broken off here", self._progress.told
+        self._finish(command, Failure(told, why) if told is not None else self._failure(command, why))
 
     def _finish(self, command: Command, failure: Failure | None) -> None:
         """Do what `STEPS` says until the command is done."""
@@ -239,6 +240,8 @@ class Commander:
                 case Step.WAIT:
                     failure = self._send(command, before=failure)
                 case Step.REPEAT:
+                    if not self._belt_stands(self._places(command), command):
+                        return
                     command = self._again(command)
                     failure = self._send(command)
                 case _:
@@ -328,6 +331,11 @@ class Commander:
         self._record("told", command_id=command.id, outcome=outcome.value)
         return Failure(outcome, failure.why)
 
+    def _places(self, command: Command) -> range:
+        """Return the objects at which the belt may stand while a command is not done."""
+        index = self._progress.index
+        return range(index, (command.target if command.name == "advance" else index) + 1)
+
     def _belt_stands(self, expected: range, command: Command | None) -> bool:
         """Hold the run while the belt says that it stands elsewhere than at one of the expected objects.
 
@@ -385,8 +393,9 @@ class Commander:
             pending, index = self._progress.pending, self._progress.index
             reason = f"the device for {name} is not ready: {health.fault}"
             if health.needs_home:
-                last = pending.target if pending is not None and pending.name == "advance" else index
-                ways = tuple(Way(f"if object {i} is at the belt end", home=i) for i in range(index, last + 1))
+                places = range(index, index + 1) if pending is None else self._places(pending)
+                further = Way("if one further on is", home=NUMBER)  # the run then asks about those between
+                ways = (*_at_the_end(places), further)
                 self._hold(
                     Hold(pending, f"{reason}; look which object is at the belt end", ways, person=True)
                 )
@@ -402,11 +411,16 @@ class Commander:
         return devices[name]
 
 
+def _at_the_end(expected: range) -> list[Way]:
+    """Return a way for each object that may be at the belt end."""
+    return [Way(f"if object {i} is at the belt end", home=i) for i in expected]
+
+
 def _astray(position: int, expected: range, command: Command | None, needs_home: bool) -> Hold:
     """Return the hold for a belt that stands elsewhere than it should."""
     stands = "at no object" if position == NOWHERE else f"at object {position}"
     last = expected[-1]
-    ways = [Way(f"if object {i} is at the belt end", home=i) for i in expected]
+    ways = _at_the_end(expected)
     if position > last:
         when = f"if object {position} is, take care of those that went past unsorted"
         ways.append(Way(when, Answer.PASSED, home=position if needs_home else None))

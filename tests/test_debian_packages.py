@@ -113,7 +113,19 @@ def test_a_module_that_nothing_installs_is_told_with_its_place(
     assert any(line.endswith(" trajectory_msgs") for line in told)
 
 
+def test_every_header_that_the_tests_compile_is_in_the_list() -> None:
+    of_c_and_linux = re.compile(
+        r"(errno|fcntl|math|stdint|stdio|stdlib|string|time|unistd|sys/\w+|arpa/inet)\.h"
+    )
+    included = {
+        header
+        for file in (ROOT / "tests").rglob("*.c")
+        for header in re.findall(r"#include <(.*)>", file.read_text("utf-8"))
+    }
+    assert {header for header in included if not of_c_and_linux.fullmatch(header)} == listed("header").keys()
+
+
 def test_the_list_is_in_order() -> None:
     text = [line.split() for line in LIST.read_text().splitlines() if line and not line.startswith("#")]
-    assert all(len(row) == 3 and row[0] in {"library", "ros1"} for row in text)
+    assert all(len(row) == 3 and row[0] in {"library", "ros1", "header"} for row in text)
     assert all(package == f"python3-{loaded.replace('_', '-')}" for loaded, package in listed("ros1").items())

@@ -1,0 +1,159 @@
+"""A run in a process of its own, which can be interrupted and killed."""
+
+import mmap
+import struct
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import beltsort
+from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
+from beltsort.cell.commands import TIMEOUT
+from beltsort.cell.composed import ComposedCell
+from beltsort.cell.modbus import ModbusOptions, make
+from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
+from beltsort.commander import Answer, HeldError, Hold, Operator
+from beltsort.geometry import BeltLayout
+from beltsort.interrupts import Interrupted, Interrupts
+from beltsort.journal import Journal
+from beltsort.locks import locked
+from beltsort.models import paper
+from beltsort.report import SortingReport
+from beltsort.rules import Rules
+from beltsort.sorter import resume_sorting, sort_objects
+from tests.loop.killed_run import perceive
+from tests.loop.scripted_cell import ScriptedCell
+
+CLASSES = 4
+MODEL = paper().replace(p_obs=np.tile(0.01 + 0.96 * np.eye(CLASSES), (2, 3, 1, 1)), r_min=5)
+RULES = Rules(retry_delays=(0.05, 0.1, 0.2, 0.4, 0.8))
+JOURNAL = "journal.sqlite"
+
+
+@dataclass
+class World:
+    """The file in which the belt and its objects are: `struct world` of controller.c."""
+
+    path: Path
+    objects: int = 4096
+
+    def __post_init__(self) -> None:
+        size = 8 + 2 * 4 * self.objects
+        if not self.path.exists():
+            self.path.write_bytes(bytes(size))
+        with self.path.open("r+b") as file:
+            self._memory = mmap.mmap(file.fileno(), size)
+
+    @property
+    def belt(self) -> float:
+        """The place at the belt end."""
+        return float(struct.unpack_from("<d", self._memory)[0])
+
+    @belt.setter
+    def belt(self, place: float) -> None:
+        struct.pack_into("<d", self._memory, 0, place)
+
+    def bin(self, number: int) -> int | None:
+        """Where an object lies; None: on the belt."""
+        lies = int(struct.unpack_from("<i", self._memory, 8 + 4 * number)[0])
+        return lies - 1 if lies else None
+
+    def drops(self, number: int) -> int:
+        """How often the gripper was opened for an object."""
+        return int(struct.unpack_from("<i", self._memory, 8 + 4 * (self.objects + number))[0])
+
+
+def class_of(number: int) -> int:
+    return number % CLASSES
+
+
+class WorldCamera(ScriptedCell):
+    """Arm and camera; sees the true class of whatever stands at the belt end, and behind it."""
+
+    world: World
+
+    def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
+        first = round(self.world.belt)
+        points = [[float(class_of(first + place)), 0.0, 0.0] for place in range(2)]
+        return Scan(np.array(points), np.eye(4), stamp=not_before)
+
+
+class LookOnce:
+    """Looks at each object once, then names what it most likely is."""
+
+    def __init__(self) -> None:
+        self.looked = False
+
+    def act(self, belief: beltsort.Belief, viewpoint: int) -> beltsort.Move | beltsort.Decide:
+        self.looked = not self.looked
+        return beltsort.Move(1) if self.looked else beltsort.Decide(belief.most_likely(0)[0])
+
+
+def device_at(port: int) -> Any:
+    return make(ModbusOptions("127.0.0.1", port, answer_timeout=1.0, allow_insecure=True))
+
+
+def cell_at(port: int, world: World) -> Cell:
+    """Return the cell of a controller: arm and camera are imagined, belt and sorter are the controller's."""
+    device, camera = device_at(port), WorldCamera(MODEL)
+    camera.world = world
+    return ComposedCell(
+        WrappedArm(camera, through),
+        WrappedCamera(camera, through),
+        WrappedBelt(device, through),
+        WrappedSorter(device, through),
+        classes=tuple(MODEL.classes),
+        viewpoints=tuple(MODEL.viewpoints),
+        layout=BeltLayout(positions=MODEL.positions),
+        reject_bin=None,
+    )
+
+
+def through(call: Any, act: Any) -> Any:
+    return act(call)
+
+
+def answering(settle: Answer | None) -> Operator:
+    """Return who says once what a person has found, as `beltsort run --settle` does."""
+    told = [] if settle is None else [settle]
+
+    def operator(hold: Hold) -> Answer | None:
+        if told and told[0] in hold.answers:
+            return told.pop()
+        raise HeldError(hold)
+
+    return operator
+
+
+def program(
+    folder: Path, port: int, objects: int, resume: bool, settle: Answer | None, pipe: Connection
+) -> None:
+    """Sort, or go on, and tell how it ended."""
+    with suppress(BrokenPipeError):
+        pipe.send(ended(folder, port, objects, resume, settle))
+
+
+def ended(folder: Path, port: int, objects: int, resume: bool, settle: Answer | None) -> Any:
+    """Return how a run ended: its report, the hold, or the error's name."""
+    try:
+        with Interrupts() as interrupts, locked("the run", folder / "lock"):
+            return sort(folder, port, objects, resume, answering(settle), interrupts)
+    except HeldError as held:
+        return held.hold
+    except (EmergencyStopError, CommandError, Interrupted) as error:
+        return type(error).__name__
+
+
+def sort(
+    folder: Path, port: int, objects: int, resume: bool, operator: Operator, interrupts: Interrupts
+) -> SortingReport:
+    cell = cell_at(port, World(folder / "world"))
+    with Journal(folder / JOURNAL, resume=resume) as journal:
+        rest: dict[str, Any] = {"rules": RULES, "operator": operator, "check": interrupts.check}
+        if resume:
+            return resume_sorting(cell, perceive, LookOnce(), journal, **rest)
+        return sort_objects(cell, perceive, LookOnce(), MODEL, journal, objects=objects, **rest)

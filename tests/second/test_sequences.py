@@ -1,0 +1,73 @@
+"""Nothing is lost or done twice with a controller that shares no code with beltsort."""
+
+import os
+import shutil
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from tests.second.sequences import BEFORE, DURING, Account, Sequence
+
+pytestmark = pytest.mark.process
+
+SOURCE = Path(__file__).with_name("controller.c")
+AT_ONCE = 6
+"""Sequences that run side by side: they wait most of the time."""
+
+
+@pytest.fixture(scope="module")
+def binary(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the controller."""
+    if not Path("/usr/include/modbus/modbus.h").exists() and "CI" not in os.environ:
+        pytest.skip("libmodbus is missing; on Debian or Ubuntu: apt-get install libmodbus-dev")
+    path = tmp_path_factory.mktemp("controller") / "controller"
+    subprocess.run(
+        ["cc", "-O1", "-Wall", "-Wextra", "-Werror", "-o", str(path), str(SOURCE), "-lmodbus", "-lm"],
+        check=True,
+    )
+    return path
+
+
+def ran(binary: Path, folder: Path, seeds: range) -> Account:
+    """Run sequences; return what they came to together."""
+
+    def one(seed: int) -> Account:
+        place = folder / str(seed)
+        place.mkdir()
+        try:
+            account = Sequence(binary, place, seed).run()
+        except BaseException as failure:
+            failure.add_note(f"in the sequence of seed {seed}; its journal is in {place}")
+            raise
+        shutil.rmtree(place)
+        return account
+
+    whole = Account()
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        for account in pool.map(one, seeds):
+            whole.add(account)
+    return whole
+
+
+def told(account: Account) -> str:
+    faults = ", ".join(f"{name} {number}" for name, number in account.faults.most_common())
+    held = ", ".join(f"{name} {number}" for name, number in account.held.most_common())
+    return (
+        f"\n{account.sequences} sequences, {account.commands} commands, {account.starts} starts\n"
+        f"faults {account.faults.total()}: {faults}\nseen to by a person: {held}\n"
+        f"objects lost 0, doubled 0, passed and told {account.passed}"
+    )
+
+
+def test_nothing_is_lost_or_done_twice(binary: Path, tmp_path: Path) -> None:
+    account = ran(binary, tmp_path, range(50))
+    print(told(account))
+    assert account.faults.keys() == {*BEFORE, *DURING}
+    assert account.faults.total() > 100
+
+
+@pytest.mark.soak
+def test_nothing_is_lost_or_done_twice_in_many_sequences(binary: Path, tmp_path: Path) -> None:
+    print(told(ran(binary, tmp_path, range(1000, 3000))))
