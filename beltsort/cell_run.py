@@ -7,13 +7,13 @@ from typing import Any
 
 from beltsort import Despot, SortingModel
 from beltsort.cell.check import CellCheck, ask_health
-from beltsort.cell.commands import CommandError, Outcome
+from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.composed import ComposedCell, compose
 from beltsort.cell.description import CellDescription
 from beltsort.cell.problems import CellFileError
 from beltsort.cell.protocols import NOWHERE, Homing, Restorable, TellsPosition
 from beltsort.cell.simulated.backend import trainable_config
-from beltsort.commander import Operator, nobody
+from beltsort.commander import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.errors import CellError
 from beltsort.journal import Journal, Listener
 from beltsort.locks import devices_locked, locked
@@ -69,8 +69,8 @@ class CellRun:
         ------
         InUseError
             If another process works on the run, or drives one of its devices.
-        CommandError
-            If a device is not ready, or nobody has told the belt where it stands.
+        HeldError
+            If nobody has told the belt of a new run where it stands.
         BeltsortError
             As `beltsort.sorter.sort_objects`.
         """
@@ -206,17 +206,15 @@ def first_object(cell: ComposedCell, devices: Sequence[object], told: int | None
 
     Raises
     ------
-    CommandError
+    HeldError
         If the belt does not know where it stands, and nobody has said.
     """
     position = cell.belt.position() if isinstance(cell.belt, TellsPosition) else None
-    if told is None and position == NOWHERE:
-        raise CommandError(
-            "the belt does not know which object is at the belt end; look, and say its number: "
-            "beltsort home CELL.toml NUMBER --live, or beltsort run with --first-object NUMBER",
-            Outcome.NOT_DONE,
-        )
-    if told is not None and position is not None and position != told:
+    needs_home = cell.belt.health().needs_home
+    if told is None and (needs_home or position == NOWHERE):
+        reason = "the belt does not know which object is at the belt end; look"
+        raise HeldError(Hold(None, reason, (Way("whichever it is", home=NUMBER),), person=True))
+    if told is not None and position is not None and (needs_home or position != told):
         home(devices, told)
     return told if told is not None else position or 0
 
@@ -244,14 +242,16 @@ def check_ready(cell: ComposedCell) -> None:
 
     Raises
     ------
-    CellError
-        Naming each of them, and why.
+    CommandError
+        Naming each of them, and why; `EmergencyStopError` if that is pressed.
     """
     found = CellCheck()
     ask_health(cell, found)
     if found.exceeded:
-        raise CellError(
-            f"{'; '.join(found.exceeded)}; expected every device ready: `beltsort check` tells more"
+        pressed = any(health.emergency_stop for health in found.health.values())
+        raise (EmergencyStopError if pressed else CommandError)(
+            f"{'; '.join(found.exceeded)}; expected every device ready: `beltsort check` tells more",
+            Outcome.NOT_DONE,
         )
 
 
@@ -261,6 +261,7 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
         "steps": report.steps,
         "decisions": [plain_decision(decision, run.model.classes) for decision in report.decisions],
         "skipped": list(report.skipped),
+        "passed": list(report.passed),
         "drift": [alarm.to_dict() for alarm in report.drift],
         "dry_run": list(run.cell.rehearsed),
         "folder": str(run.folder),

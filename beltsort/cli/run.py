@@ -15,6 +15,7 @@ from beltsort.cli.output import print_json, tell
 from beltsort.cli.watching import listening, stages
 from beltsort.commander import Answer, HeldError, Hold, Operator
 from beltsort.interrupts import Interrupts
+from beltsort.runs import JOURNAL
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -124,11 +125,12 @@ def ask(hold: Hold) -> Answer | None:
 
 
 def lines_to_type(hold: Hold, arguments: Namespace, run: Path) -> list[str]:
-    """Return the command lines for each way to go on with a run that is held."""
+    """Return the command lines for each way to go on with a run that is held, or to begin it."""
     live = ["--live"] if arguments.live else []
+    begun = ["--resume", str(run)] if (run / JOURNAL).exists() else []
     lines = []
     for way in hold.ways:
-        words = ["beltsort", "run", arguments.cell, *live, "--resume", str(run)]
+        words = ["beltsort", "run", arguments.cell, *live, *begun]
         if way.answer is not None:
             words += ["--settle", way.answer.value]
         homing = ["beltsort", "home", arguments.cell, str(way.home), *live]

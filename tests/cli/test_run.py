@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +17,10 @@ from beltsort.cli import exit_codes, main
 from beltsort.journal import read_journal
 from beltsort.perception import NearestNeighbour
 from beltsort.progress import Progress
-from beltsort.tables.collect import collect_training
 from beltsort.tables.counts import Look, count
 from beltsort.tables.prepare import Prepared, Recipe
 from tests.cell.cell_files import changed
+from tests.cli.cells import PREPARE, cell_file
 from tests.cli.running import process
 from tests.contract.peers import OpcuaPeer
 
@@ -37,33 +36,6 @@ FULL_BIN = (
     + "]\n[planner]",
 )
 """A change of the cell file: the sorter's bin is full as often as the first sort is tried."""
-
-PREPARE = "[prepare]\ntraining_objects = 40\ntable_objects = 100"
-
-
-@pytest.fixture(scope="module")
-def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with a classifier and a model."""
-    folder = tmp_path_factory.mktemp("trained")
-    config = CellConfig()
-    collect_training(config, objects=1, seed=3, workers=1).save(folder / "classifier.npz")
-    p_obs = np.tile(0.1 + 0.6 * np.eye(4), (2, 3, 1, 1))
-    beltsort.SortingModel(config.classes, ["p1", "p2", "p3"], p_obs).save(folder / "model.json")
-    return folder
-
-
-@pytest.fixture
-def folder(trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the working folder, with classifier and model in a folder of the cell."""
-    shutil.copytree(trained, tmp_path / "cell")
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def cell_file(folder: Path, *changes: tuple[str, str]) -> str:
-    files = 'model = "model.json"\nclassifier = "classifier.npz"'
-    fewer_trials = ("trials = 300", "trials = 20")
-    return str(changed(folder / "cell", (PREPARE, files), fewer_trials, *changes))
 
 
 def result_of(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
@@ -86,9 +58,9 @@ def test_a_run_sorts_every_object_and_keeps_its_record(
     assert entries[0].data["belt_ends"]
     assert entries[-1].data == {"reason": "done"}
     calls = [json.loads(line) for line in (run / "calls.jsonl").read_text().splitlines()]
-    asked = [(call["device"], call["call"]["name"]) for call in calls[:5]]
-    assert asked[0] == ("belt", "position")
-    assert asked[1:] == [(device, "health") for device in ("arm", "camera", "belt", "sorter")]
+    asked = [(call["device"], call["call"]["name"]) for call in calls[:6]]
+    assert asked[:2] == [("belt", "position"), ("belt", "health")]
+    assert asked[2:] == [(device, "health") for device in ("arm", "camera", "belt", "sorter")]
     done = {e.data["command_id"] for e in entries if e.kind == "outcome"}
     assert {call["call"]["command_id"] for call in calls if call["call"]["command_id"]} == done
     assert beltsort.SortingModel.load(run / "model.json").positions == 2
