@@ -1,14 +1,14 @@
 """What the client does with connections that fail at the worst moment; no network, no process."""
 
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import pytest
 
 from beltsort.cell import CommandError, Outcome
 from beltsort.cell.controller import FieldbusDevice
 from beltsort.cell.controller.reference import Controller, Machine
-from beltsort.cell.controller.wire import COMMANDS, Reply, Request, Verb
+from beltsort.cell.controller.wire import COMMANDS, Reply, Request, Verb, checked
 
 NOW = 1000.0
 """The cell's clock."""
@@ -23,6 +23,7 @@ class Station:
     connections: int = 0
     holding: bool = False
     silent: int = 0
+    garbage: dict[str, int] = field(default_factory=dict)
     held: list[Request] = field(default_factory=list)
     commands: int = 0
 
@@ -33,6 +34,7 @@ class Station:
 
     def take(self, request: Request) -> None:
         if self.controller.is_new(request):
+            self.garbage = {}
             reply = self.controller.answer(request)
             if self.silent > 0:
                 self.silent -= 1
@@ -75,7 +77,9 @@ class Wire:
 
     def read(self) -> Reply:
         assert not self.broken
-        return self.station.reply
+        whole = {field.name: getattr(self.station.reply, field.name) for field in fields(Reply)}
+        flags = whole.pop("ready") + 2 * whole.pop("emergency_stop")
+        return checked(**whole | {"flags": flags} | self.station.garbage)
 
     def close(self) -> None:
         self.broken = True
@@ -168,6 +172,30 @@ def test_what_an_earlier_program_sent_is_unknown_unless_the_controller_still_rem
     for index in range(1, 4):
         device.advance_to(index, f"advance-{index}")
     assert device.outcome_of("earlier", boot_id) is Outcome.UNKNOWN, "it may have been forgotten"
+
+
+@pytest.mark.parametrize(
+    "garbage", [{"phase": 22389}, {"flags": 22389}, {"boot": 0}, {"position": -7}, {"phase": 9, "boot": 0}]
+)
+def test_garbage_while_idle_is_gone_with_the_next_reply(garbage: dict[str, int]) -> None:
+    station = Station(garbage=garbage)
+    device = station.device()
+    device.advance_to(1, "advance")
+    station.garbage = garbage
+    device.sort(2, "sort")
+    assert station.bins == (0, 0, 1, 0, 0)
+    station.wire.broken, station.garbage = True, garbage
+    assert device.health().ready
+
+
+def test_garbage_in_every_reply_is_told_as_garbage() -> None:
+    class Mad(Station):
+        def take(self, request: Request) -> None:
+            super().take(request)
+            self.garbage = {"phase": 22389}
+
+    with pytest.raises(CommandError, match=r"\bgarbage\b.*\bphase is 22389\b.*\b0 to 4\b"):
+        Mad().device().health()
 
 
 def test_an_answer_to_somebody_else_is_not_taken_for_ones_own() -> None:

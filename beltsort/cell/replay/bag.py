@@ -30,7 +30,8 @@ def rosbags() -> ModuleType:
         If it is not installed.
     """
     try:
-        import rosbags.highlevel
+        import rosbags.interfaces
+        import rosbags.rosbag1
         import rosbags.rosbag2
         import rosbags.typesys
     except ImportError as reason:
@@ -54,11 +55,13 @@ class Bag:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        library = rosbags()
-        definitions = library.typesys.get_typestore(library.typesys.Stores.LATEST)
+        self._library = rosbags()
+        self._stores: dict[str, Any] = {}  # of definitions, by the message type that they are for
+        _check_complete(self.path)
+        kind = self._library.rosbag1 if self.path.suffix == ".bag" else self._library.rosbag2
 
         def opened() -> Any:
-            reader = library.highlevel.AnyReader([self.path], default_typestore=definitions)
+            reader = kind.Reader(self.path)
             reader.open()
             return reader
 
@@ -92,8 +95,35 @@ class Bag:
             connection, time, data = following
             if start is not None and time < start:
                 continue
-            message = self._attempt(partial(self._reader.deserialize, data, connection.msgtype))
+            message = self._attempt(partial(self._deserialized, connection, data))
             yield Recorded(connection.topic, time, message)
+
+    def _deserialized(self, connection: Any, data: bytes) -> Any:
+        """Return a message. Only the definitions of messages that are read have to make sense."""
+        kind = connection.msgtype
+        if kind not in self._stores:
+            self._stores[kind] = self._store(connection)
+        store = self._stores[kind]
+        if self.path.suffix == ".bag":
+            return store.deserialize_ros1(data, kind)
+        return store.deserialize_cdr(data, kind)
+
+    def _store(self, connection: Any) -> Any:
+        """Return the definitions that a bag holds of a message type; ROS 2's own if it holds none."""
+        types, formats = self._library.typesys, self._library.interfaces.MessageDefinitionFormat
+        definition = connection.msgdef
+        if definition.format == formats.NONE:
+            return types.get_typestore(types.Stores.LATEST)
+        store = types.get_typestore(types.Stores.EMPTY)
+        if definition.format == formats.MSG:
+            store.register(types.get_types_from_msg(definition.data, connection.msgtype))
+            return store
+        # Several files follow each other, each behind a line of "=" and one that begins with "IDL: ".
+        for part in definition.data.split("=" * 80 + "\n"):
+            text = part.partition("\n")[2] if part.startswith("IDL: ") else part
+            if text.strip():
+                store.register(types.get_types_from_idl(text))
+        return store
 
     def close(self) -> None:
         """Close the file."""
@@ -108,6 +138,21 @@ class Bag:
                 f"cannot read {self.path}: {type(reason).__name__}: {reason}; expected a complete ROS bag "
                 "(.bag, or rosbag2 with sqlite3 or mcap): record it again, or reindex it"
             ) from reason
+
+
+def _check_complete(path: Path) -> None:
+    """Refuse what a recorder has not finished."""
+    if path.suffix == ".active":
+        finished = path.with_suffix("")
+        raise CellError(
+            f"{path} is a recording that was not finished, expected a complete one: run "
+            f"`rosbag reindex {path}`, then `rosbag fix {path} {finished}`"
+        )
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        raise CellError(
+            f"{path} has no metadata.yaml, expected a complete ROS bag (rosbag2): run "
+            f"`ros2 bag reindex {path}`, or name the .mcap or .db3 file in it"
+        )
 
 
 def seconds(stamp: Any) -> float:

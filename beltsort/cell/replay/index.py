@@ -2,9 +2,10 @@
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
+from itertools import combinations, pairwise
 from typing import Any, NamedTuple, TypeAlias
 
-from beltsort.cell.replay.bag import Bag, seconds
+from beltsort.cell.replay.bag import NANOSECONDS, Bag, seconds
 from beltsort.cell.replay.options import ReplayOptions
 from beltsort.cell.ros.joints import standing_at
 from beltsort.errors import CellError
@@ -60,6 +61,53 @@ class Index:
     frames: list[Transform]
 
 
+CLOCK_ERROR = 1.0
+"""Seconds by which clocks may differ in a bag."""
+
+FEW = 3
+"""Messages of a topic below which nothing is said of its clock: they may be latched ones of long ago."""
+
+
+class Clocks:
+    """Whether the stamps of a bag's topics are of clocks that agree, and that were not set back."""
+
+    def __init__(self, bag: Bag) -> None:
+        self._bag = bag
+        self._stamps: dict[str, list[float]] = {}
+        self._delays: dict[str, list[float]] = {}
+
+    def seen(self, topic: str, time: int, stamp: Any) -> float:
+        """Take in a message that was written at `time` (nanoseconds); return its stamp, seconds."""
+        stamped = seconds(stamp)
+        self._stamps.setdefault(topic, []).append(stamped)
+        self._delays.setdefault(topic, []).append(time / NANOSECONDS - stamped)
+        return stamped
+
+    def check(self) -> None:
+        """Refuse stamps by which no scan can be told to be of a viewpoint.
+
+        Raises
+        ------
+        CellError
+            If a clock was set back, or the clocks of two topics differ.
+        """
+        for topic, stamps in self._stamps.items():
+            back = max((before - after for before, after in pairwise(stamps)), default=0.0)
+            if back > CLOCK_ERROR:
+                raise CellError(
+                    f"{self._bag.path}: the clock that stamps {topic} jumps back by {back:.3f} s, expected "
+                    f"less than {CLOCK_ERROR:g} s; do not set clocks while recording"
+                )
+        least = {topic: min(delays) for topic, delays in self._delays.items() if len(delays) >= FEW}
+        for (one, first), (other, second) in combinations(least.items(), 2):
+            if abs(first - second) > CLOCK_ERROR:
+                raise CellError(
+                    f"{self._bag.path}: the clocks that stamp {one} and {other} differ by "
+                    f"{abs(first - second):.3f} s, expected less than {CLOCK_ERROR:g} s; synchronise them "
+                    "and record again"
+                )
+
+
 def read_index(bag: Bag, options: ReplayOptions) -> Index:
     """Go through a bag once.
 
@@ -69,7 +117,7 @@ def read_index(bag: Bag, options: ReplayOptions) -> Index:
         If the bag is damaged or lacks what the options name.
     """
     _check_topics(bag, options)
-    viewpoints, objects = Timeline(), Timeline()
+    viewpoints, objects, clocks = Timeline(), Timeline(), Clocks(bag)
     scans: list[tuple[float, Place]] = []
     static: list[Transform] = []
     for topic, time, message in bag.messages(
@@ -77,18 +125,19 @@ def read_index(bag: Bag, options: ReplayOptions) -> Index:
     ):
         if topic == options.scan_topic:
             repeat = scans[-1][1].repeat + 1 if scans and scans[-1][1].time == time else 0
-            scans.append((seconds(message.header.stamp), Place(time, repeat)))
+            scans.append((clocks.seen(topic, time, message.header.stamp), Place(time, repeat)))
         elif topic == options.object_topic:
-            objects.add(seconds(message.stamp), message.frame_id)
+            objects.add(clocks.seen(topic, time, message.stamp), message.frame_id)
         elif topic == options.viewpoint_topic:
-            viewpoints.add(seconds(message.stamp), message.frame_id)
+            viewpoints.add(clocks.seen(topic, time, message.stamp), message.frame_id)
         elif topic == options.joint_topic:
             joints = dict(zip(message.name, message.position.tolist(), strict=False))
             if joints.keys() >= next(iter(options.taught.values())).keys():
                 name = standing_at(options.taught, joints, options.tolerance)
-                viewpoints.add(seconds(message.header.stamp), name)
+                viewpoints.add(clocks.seen(topic, time, message.header.stamp), name)
         else:
             static += [_plain(transform) for transform in message.transforms]
+    clocks.check()
     if not scans:
         raise CellError(f"{bag.path} has no message on {options.scan_topic!r}, expected scans; record again")
     entries = [Entry(stamp, viewpoints.at(stamp), objects.at(stamp), place) for stamp, place in sorted(scans)]

@@ -26,7 +26,7 @@ class Cloud:
     big_endian
         Byte order of the coordinates.
     point_step, row_step
-        Bytes from a point to the next one, and from a row to the next one.
+        Bytes from a point to the next one, and from a row to the next one; 0 will do if there is one row.
     data
         The rows.
     """
@@ -54,12 +54,13 @@ def points_of(cloud: Cloud) -> Points:
     Returns
     -------
     Points
-        Shape (height, width, 3), or (width, 3) of a single row; NaN is kept.
+        Shape (height, width, 3), or (width, 3) of a single row. NaN is kept; a point at the camera itself, as
+        some drivers write where there is no return, becomes NaN.
 
     Raises
     ------
     CellError
-        If the cloud has no points, none that is finite, less data than it promises, or no coordinates.
+        If the cloud has no points, no return, less data than it promises, or no coordinates.
 
     Examples
     --------
@@ -78,15 +79,16 @@ def points_of(cloud: Cloud) -> Points:
             "itemsize": cloud.point_step,
         }
     )
-    strides = (cloud.row_step, cloud.point_step)
+    strides = (cloud.row_step or cloud.width * cloud.point_step, cloud.point_step)
     rows: np.ndarray[tuple[int, ...], np.dtype[np.void]] = np.ndarray(
         (cloud.height, cloud.width), record, cloud.data, strides=strides
     )
     points = np.stack([rows[name].astype(np.float64) for name in "xyz"], axis=-1)
+    points[(points == 0.0).all(axis=-1)] = np.nan
     if not np.isfinite(points).all(axis=-1).any():
         raise CellError(
-            f"none of the {cloud.height * cloud.width} points is finite, expected some returns; look what "
-            "is in front of the camera, and how far away"
+            f"none of the {cloud.height * cloud.width} points is finite and away from the camera, expected "
+            "some returns; look what is in front of the camera, and how far away"
         )
     return points if cloud.height > 1 else points[0]
 
@@ -104,8 +106,14 @@ def _check(cloud: Cloud) -> None:
                 f"the cloud has no usable field {name!r} (fields {dict(cloud.fields)}, {cloud.point_step} "
                 "bytes a point), expected x, y and z as float32 (7) or float64 (8); take a cloud with points"
             )
-    needed = (cloud.height - 1) * cloud.row_step + cloud.width * cloud.point_step
-    if cloud.row_step < cloud.width * cloud.point_step or len(cloud.data) < needed:
+    row = cloud.width * cloud.point_step
+    if cloud.row_step < row and not (cloud.height == 1 and cloud.row_step == 0):
+        raise CellError(
+            f"the cloud's row_step is {cloud.row_step}, expected at least {row} ({cloud.width} points of "
+            f"{cloud.point_step} bytes); mend its publisher"
+        )
+    needed = (cloud.height - 1) * cloud.row_step + row
+    if len(cloud.data) < needed:
         raise CellError(
             f"the cloud is truncated: {len(cloud.data)} bytes in rows of {cloud.row_step}, expected {needed} "
             f"for {cloud.height} x {cloud.width} points of {cloud.point_step} bytes; look at its publisher"

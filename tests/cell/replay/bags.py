@@ -117,8 +117,8 @@ def stop(time: float, topic: str, name: str) -> Message:
     return Message(topic, "std_msgs/msg/Header", time, lambda types: types.header(time, name))
 
 
-def write(directory: Path, form: str, messages: Iterable[Message]) -> Path:
-    """Write a bag and return its path."""
+def write(directory: Path, form: str, messages: Iterable[Message], odd: bool = False) -> Path:
+    """Write a bag and return its path; if `odd`, with a topic whose definition names a missing type."""
     types = Types(form == "bag")
     path = directory / ("record.bag" if form == "bag" else f"record_{form}")
     if form == "bag":
@@ -129,6 +129,13 @@ def write(directory: Path, form: str, messages: Iterable[Message]) -> Path:
     serialize = types.store.serialize_ros1 if form == "bag" else types.store.serialize_cdr
     topics: dict[str, Any] = {}
     with writer:
+        if odd:
+            proof: dict[str, Any] = (
+                {"md5sum": "0" * 32} if form == "bag" else {"rihs01": "RIHS01_" + 64 * "0"}
+            )
+            kind = "acme/msg/Odd"
+            connection = writer.add_connection("/odd", kind, msgdef="acme/Missing thing", **proof)
+            writer.write(connection, 0, b"\x00\x01\x00\x00")
         for message in messages:
             if message.topic not in topics:
                 topics[message.topic] = writer.add_connection(

@@ -14,11 +14,15 @@ from tests.cell.replay import bags
 IMAGE = np.full((10, 20, 3), 0.5)
 
 
-def whole(directory: Path, form: str) -> Path:
-    record = [bags.stop(0.0, "/viewpoint", "p1")]
+def record() -> list[bags.Message]:
+    messages = [bags.stop(0.0, "/viewpoint", "p1")]
     for n in range(5):
-        record += [bags.transform(n, "world", "camera", (0.0, 0.0, 1.0)), bags.cloud(n, IMAGE)]
-    return bags.write(directory, form, record)
+        messages += [bags.transform(n, "world", "camera", (0.0, 0.0, 1.0)), bags.cloud(n, IMAGE)]
+    return messages
+
+
+def whole(directory: Path, form: str) -> Path:
+    return bags.write(directory, form, record())
 
 
 def play(path: Path) -> None:
@@ -94,8 +98,46 @@ def test_a_bag_without_messages(form: str, tmp_path: Path) -> None:
         play(path)
 
 
+@pytest.mark.parametrize("form", bags.FORMATS)
+def test_a_topic_that_nobody_needs_may_be_of_any_type(form: str, tmp_path: Path) -> None:
+    play(bags.write(tmp_path, form, record(), odd=True))
+
+
+def test_a_recording_that_was_not_finished_says_what_to_do(tmp_path: Path) -> None:
+    path = whole(tmp_path, "bag")
+    active = path.rename(tmp_path / "record.bag.active")
+    with pytest.raises(CellError, match=r"\brosbag reindex \S*/record\.bag\.active\b"):
+        play(active)
+    folder = whole(tmp_path, "mcap")
+    (folder / "metadata.yaml").unlink()
+    with pytest.raises(CellError, match=r"\bros2 bag reindex \S*/record_mcap\b.*\.mcap\b"):
+        play(folder)
+    play(storage(folder))
+
+
+@pytest.mark.parametrize(("behind", "refused"), [(0.3, False), (12.0, True), (-12.0, True)])
+def test_clocks_that_differ_are_told(behind: float, refused: bool, tmp_path: Path) -> None:
+    late = [
+        message._replace(time=message.time + 20.0 + behind * (message.topic == "/camera/points"))
+        for message in [*record(), *(bags.stop(n, "/viewpoint", "p1") for n in range(5))]
+    ]
+    path = bags.write(tmp_path, "mcap", sorted(late, key=lambda message: message.time))
+    if not refused:
+        play(path)
+        return
+    with pytest.raises(CellError, match=r"\bclocks\b.*/camera/points\b.*\b12\.000 s\b"):
+        play(path)
+
+
+def test_a_clock_that_is_set_back_is_told(tmp_path: Path) -> None:
+    messages = [bags.stop(0.0, "/viewpoint", "p1")]
+    messages += [bags.cloud(n - 60.0 * (n > 3) + 100.0, IMAGE)._replace(time=n + 100.0) for n in range(6)]
+    with pytest.raises(CellError, match=r"/camera/points jumps back by 59\.000 s\b"):
+        play(bags.write(tmp_path, "mcap", messages))
+
+
 def test_without_rosbags_the_error_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = whole(tmp_path, "mcap")
-    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
     with pytest.raises(CellError, match=r"\brosbags\b.*pip install 'beltsort\[replay\]'"):
         play(path)

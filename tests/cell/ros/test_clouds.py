@@ -49,7 +49,8 @@ def test_one_row_is_not_organised() -> None:
     [
         ({"data": packed(POINTS).data[:-1]}, r"truncated\b.*\b239 bytes\b.*\b60\b.*\b240\b"),
         ({"height": 5}, "truncated"),
-        ({"row_step": 59}, "truncated"),
+        ({"row_step": 59}, r"\brow_step\b.*\b59\b.*\b60\b"),
+        ({"row_step": 0}, r"\brow_step\b.*\b0\b.*\b60\b"),
         ({"width": 0}, r"empty\b.*\b4 x 0 points\b"),
         ({"height": 0}, r"empty\b.*\b0 x 5 points\b"),
         ({"fields": {}}, r"field 'x'.*\bfloat32 \(7\) or float64 \(8\)"),
@@ -64,6 +65,21 @@ def test_one_row_is_not_organised() -> None:
 def test_broken_clouds_are_refused(changes: dict[str, Any], said: str) -> None:
     with pytest.raises(CellError, match=said):
         points_of(dataclasses.replace(packed(POINTS), **changes))
+
+
+def test_a_single_row_needs_no_row_step() -> None:
+    row = packed(POINTS[0])
+    np.testing.assert_array_equal(points_of(dataclasses.replace(row, row_step=0)), points_of(row))
+
+
+def test_a_point_at_the_camera_is_no_return() -> None:
+    points = POINTS.copy()
+    points[1, 2] = 0.0
+    seen = points_of(packed(points))
+    assert np.isnan(seen[1, 2]).all()
+    assert np.isfinite(seen).sum() == np.isfinite(POINTS).sum() - 3
+    with pytest.raises(CellError, match=r"\b20 points\b.*\breturns\b"):
+        points_of(packed(np.zeros_like(POINTS)))
 
 
 def test_infinite_coordinates_are_not_returns() -> None:

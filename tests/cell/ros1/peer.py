@@ -1,6 +1,6 @@
 """A cell on ROS 1: `python -m tests.cell.ros1.peer`, told what to do by lines of JSON.
 
-{"cloud": "good" | "stale" | "empty" | "nan" | "truncated" | "silent" | "frame"}, {"offset": radians},
+{"cloud": "good" | "stale" | "ahead" | "empty" | "nan" | "truncated" | "silent" | "frame"}, {"offset": radians},
 {"speed": radians a second}, {"verdict": GoalStatus},
 {"travel": seconds of the belt}, {"emergency": whether the emergency stop is pressed},
 {"sort": seconds of the sorter}, {"full": whether its bins are},
@@ -163,7 +163,7 @@ class Peer:
         points = {"empty": POINTS[:0], "nan": np.full_like(POINTS, np.nan)}.get(kind, POINTS)
         content = packed(points)
         message = message_class("sensor_msgs/PointCloud2")()
-        delay = 100.0 if kind == "stale" else 0.0
+        delay = {"stale": 100.0, "ahead": -100.0}.get(kind, 0.0)
         message.header.stamp = rospy.Time.now() - rospy.Duration.from_sec(delay)
         message.header.frame_id = "elsewhere" if kind == "frame" else "optical"
         message.height, message.width = content.height, content.width

@@ -41,12 +41,13 @@ def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: Rig) -> None:
     ("cloud", "said"),
     [
         ("stale", r"/\w+ .*\b1\.5 s\b.*\bstamp\b.* s\b"),
+        ("ahead", r"/\w+ .*\b1\.5 s\b.*\blater than its arrival\b.*\bclocks\b"),
         ("empty", r"/\w+ .*\b1\.5 s\b.*\bempty\b"),
         ("nan", r"/\w+ .*\b1\.5 s\b.*\b48 points\b.*\bfinite\b"),
         ("truncated", r"/\w+ .*\b1\.5 s\b.*\btruncated\b"),
         ("frame", r"/\w+ .*\b1\.5 s\b.*'elsewhere'.*'optical'"),
     ],
-    ids=["stale scan", "empty cloud", "NaN-only cloud", "truncated cloud", "other frame"],
+    ids=["stale scan", "clock ahead", "empty cloud", "NaN-only cloud", "truncated cloud", "other frame"],
 )
 def test_an_unusable_cloud_is_waited_out(rig: Rig, camera: Ros1Camera, cloud: str, said: str) -> None:
     rig.tell(cloud=cloud)
