@@ -1,7 +1,7 @@
 """A cell on ROS 1: `python -m tests.cell.ros1.peer`, told what to do by lines of JSON.
 
-{"cloud": "good" | "stale" | "ahead" | "empty" | "nan" | "truncated" | "silent" | "frame"}, {"offset": radians},
-{"speed": radians a second}, {"verdict": GoalStatus},
+{"cloud": "good" | "stale" | "ahead" | "empty" | "nan" | "truncated" | "silent" | "frame"},
+{"offset": radians}, {"speed": radians a second}, {"verdict": GoalStatus},
 {"travel": seconds of the belt}, {"emergency": whether the emergency stop is pressed},
 {"sort": seconds of the sorter}, {"full": whether its bins are},
 {"stuck": whether the belt does not move}, {"overshoot": whether it goes one object too far},
