@@ -57,8 +57,17 @@ class ServerPeer(ProcessPeer):
         self._unused = HeldPort()
 
     @abstractmethod
+    def options_of(self, own: Identity, trust: Path, port: int) -> ModbusOptions | OpcuaOptions:
+        """Return the options of a device that uses an identity."""
+
+    def options(self) -> ModbusOptions | OpcuaOptions:
+        """Return the options of a device that the server trusts."""
+        return self.options_of(self.client, self.client.trust, self.port)
+
     def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
         """Return a device that uses an identity."""
+        options = self.options_of(own, trust, port)
+        return make_modbus(options) if isinstance(options, ModbusOptions) else make_opcua(options)
 
     def start(self, *arguments: str) -> None:
         options = ["--port", str(self.port), "--speed", str(SPEED), *arguments]
@@ -197,29 +206,27 @@ class OpcuaPeer(ServerPeer):
     module = "beltsort.cell.opcua.server"
     secure = True
 
-    def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
+    def options_of(self, own: Identity, trust: Path, port: int) -> OpcuaOptions:
         endpoint = f"opc.tcp://127.0.0.1:{port}/beltsort"
         files = (str(own.certificate), str(own.private_key), str(trust))
-        return make_opcua(OpcuaOptions(endpoint, *files, answer_timeout=ANSWER_TIMEOUT))
+        return OpcuaOptions(endpoint, *files, answer_timeout=ANSWER_TIMEOUT)
 
 
 class ModbusTlsPeer(ServerPeer):
     module = "beltsort.cell.modbus.server"
     secure = True
 
-    def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
+    def options_of(self, own: Identity, trust: Path, port: int) -> ModbusOptions:
         files = (str(own.certificate), str(own.private_key), str(trust))
-        return make_modbus(ModbusOptions("127.0.0.1", port, *files, answer_timeout=ANSWER_TIMEOUT))
+        return ModbusOptions("127.0.0.1", port, *files, answer_timeout=ANSWER_TIMEOUT)
 
 
 class ModbusPeer(ServerPeer):
     module = "beltsort.cell.modbus.server"
     secure = False
 
-    def connect(self, own: Identity, trust: Path, port: int) -> FieldbusDevice:
-        return make_modbus(
-            ModbusOptions("127.0.0.1", port, answer_timeout=ANSWER_TIMEOUT, allow_insecure=True)
-        )
+    def options_of(self, own: Identity, trust: Path, port: int) -> ModbusOptions:
+        return ModbusOptions("127.0.0.1", port, answer_timeout=ANSWER_TIMEOUT, allow_insecure=True)
 
 
 SERVERS: Sequence[type[ServerPeer]] = (OpcuaPeer, ModbusPeer, ModbusTlsPeer)

@@ -2,11 +2,13 @@
 
 import mmap
 import struct
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -14,9 +16,13 @@ import beltsort
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.composed import ComposedCell
+from beltsort.cell.controller import FieldbusDevice
 from beltsort.cell.modbus import ModbusOptions, make
+from beltsort.cell.opcua import OpcuaOptions
+from beltsort.cell.opcua import make as make_opcua
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.commander import Answer, HeldError, Hold, Operator
+from beltsort.errors import JournalError
 from beltsort.geometry import BeltLayout
 from beltsort.interrupts import Interrupted, Interrupts
 from beltsort.journal import Journal
@@ -71,15 +77,54 @@ def class_of(number: int) -> int:
     return number % CLASSES
 
 
-class WorldCamera(ScriptedCell):
+class ClassCamera(ScriptedCell):
     """Arm and camera; sees the true class of whatever stands at the belt end, and behind it."""
 
-    world: World
+    where: Callable[[], int]
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
-        first = round(self.world.belt)
+        first = self.where()
         points = [[float(class_of(first + place)), 0.0, 0.0] for place in range(2)]
         return Scan(np.array(points), np.eye(4), stamp=not_before)
+
+
+class Site(Protocol):
+    """Where a controller is reached, and what stands at its belt end."""
+
+    def device(self) -> FieldbusDevice:
+        """Return the controller's belt and sorter."""
+
+    def where(self, device: FieldbusDevice) -> int:
+        """Return the number of the object at the belt end."""
+
+
+@dataclass(frozen=True)
+class Second:
+    """The second controller, in C."""
+
+    port: int
+    world: Path
+
+    def device(self) -> FieldbusDevice:
+        return make(ModbusOptions("127.0.0.1", self.port, answer_timeout=1.0, allow_insecure=True))
+
+    def where(self, device: FieldbusDevice) -> int:
+        return round(World(self.world).belt)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A reference server."""
+
+    options: ModbusOptions | OpcuaOptions
+
+    def device(self) -> FieldbusDevice:
+        if isinstance(self.options, ModbusOptions):
+            return make(self.options)
+        return make_opcua(self.options)
+
+    def where(self, device: FieldbusDevice) -> int:
+        return device.position()
 
 
 class LookOnce:
@@ -93,14 +138,10 @@ class LookOnce:
         return beltsort.Move(1) if self.looked else beltsort.Decide(belief.most_likely(0)[0])
 
 
-def device_at(port: int) -> Any:
-    return make(ModbusOptions("127.0.0.1", port, answer_timeout=1.0, allow_insecure=True))
-
-
-def cell_at(port: int, world: World) -> Cell:
+def cell_at(site: Site) -> Cell:
     """Return the cell of a controller: arm and camera are imagined, belt and sorter are the controller's."""
-    device, camera = device_at(port), WorldCamera(MODEL)
-    camera.world = world
+    device, camera = site.device(), ClassCamera(MODEL)
+    camera.where = partial(site.where, device)
     return ComposedCell(
         WrappedArm(camera, through),
         WrappedCamera(camera, through),
@@ -130,28 +171,30 @@ def answering(settle: Answer | None) -> Operator:
 
 
 def program(
-    folder: Path, port: int, objects: int, resume: bool, settle: Answer | None, pipe: Connection
+    folder: Path, site: Site, objects: int, resume: bool, settle: Answer | None, pipe: Connection
 ) -> None:
     """Sort, or go on, and tell how it ended."""
     with suppress(BrokenPipeError):
-        pipe.send(ended(folder, port, objects, resume, settle))
+        pipe.send(ended(folder, site, objects, resume, settle))
 
 
-def ended(folder: Path, port: int, objects: int, resume: bool, settle: Answer | None) -> Any:
+def ended(folder: Path, site: Site, objects: int, resume: bool, settle: Answer | None) -> Any:
     """Return how a run ended: its report, the hold, or the error's name."""
     try:
         with Interrupts() as interrupts, locked("the run", folder / "lock"):
-            return sort(folder, port, objects, resume, answering(settle), interrupts)
+            return sort(folder, site, objects, resume, answering(settle), interrupts)
     except HeldError as held:
         return held.hold
     except (EmergencyStopError, CommandError, Interrupted) as error:
         return type(error).__name__
+    except JournalError:  # it was killed before its first entry
+        return "anew"
 
 
 def sort(
-    folder: Path, port: int, objects: int, resume: bool, operator: Operator, interrupts: Interrupts
+    folder: Path, site: Site, objects: int, resume: bool, operator: Operator, interrupts: Interrupts
 ) -> SortingReport:
-    cell = cell_at(port, World(folder / "world"))
+    cell = cell_at(site)
     with Journal(folder / JOURNAL, resume=resume) as journal:
         rest: dict[str, Any] = {"rules": RULES, "operator": operator, "check": interrupts.check}
         if resume:

@@ -3,12 +3,14 @@
 import os
 import shutil
 import subprocess
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
-from tests.second.sequences import BEFORE, DURING, Account, Sequence
+from tests.contract.peers import ModbusPeer, OpcuaPeer, ServerPeer
+from tests.second.sequences import Account, ReferenceSequence, SecondSequence, Sequence
 
 pytestmark = pytest.mark.process
 
@@ -30,14 +32,14 @@ def binary(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def ran(binary: Path, folder: Path, seeds: range) -> Account:
+def ran(make: Callable[[Path, int], Sequence], folder: Path, seeds: range) -> Account:
     """Run sequences; return what they came to together."""
 
     def one(seed: int) -> Account:
         place = folder / str(seed)
         place.mkdir()
         try:
-            account = Sequence(binary, place, seed).run()
+            account = make(place, seed).run()
         except BaseException as failure:
             failure.add_note(f"in the sequence of seed {seed}; its journal is in {place}")
             raise
@@ -61,13 +63,36 @@ def told(account: Account) -> str:
     )
 
 
+def second(binary: Path) -> Callable[[Path, int], Sequence]:
+    return lambda folder, seed: SecondSequence(binary, folder, seed)
+
+
+def reference(kind: type[ServerPeer]) -> Callable[[Path, int], Sequence]:
+    return lambda folder, seed: ReferenceSequence(kind(folder), folder, seed)
+
+
 def test_nothing_is_lost_or_done_twice(binary: Path, tmp_path: Path) -> None:
-    account = ran(binary, tmp_path, range(50))
+    account = ran(second(binary), tmp_path, range(50))
     print(told(account))
-    assert account.faults.keys() == {*BEFORE, *DURING}
+    assert account.faults.keys() == set(SecondSequence.faults)
     assert account.faults.total() > 100
+
+
+@pytest.mark.parametrize("kind", [ModbusPeer, OpcuaPeer])
+def test_nothing_is_lost_or_done_twice_with_a_reference_server(
+    kind: type[ServerPeer], tmp_path: Path
+) -> None:
+    account = ran(reference(kind), tmp_path, range(12))
+    print(told(account))
+    assert account.faults.total() > 20
 
 
 @pytest.mark.soak
 def test_nothing_is_lost_or_done_twice_in_many_sequences(binary: Path, tmp_path: Path) -> None:
-    print(told(ran(binary, tmp_path, range(1000, 3000))))
+    print(told(ran(second(binary), tmp_path, range(1000, 3000))))
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("kind", [ModbusPeer, OpcuaPeer])
+def test_nor_in_many_with_a_reference_server(kind: type[ServerPeer], tmp_path: Path) -> None:
+    print(told(ran(reference(kind), tmp_path, range(1000, 1500))))
