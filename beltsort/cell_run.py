@@ -25,6 +25,9 @@ from beltsort.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, r
 from beltsort.sorter import Check, nothing, resume_sorting
 from beltsort.tables.prepare import Recipe, StageProgress, prepare
 
+DRY_RUN = "-dry-run"
+"""Ends the name of the folder of a run in which something is only said to move."""
+
 
 @dataclass(frozen=True, eq=False)
 class CellRun:
@@ -56,6 +59,11 @@ class CellRun:
     broken_off: Progress | None = None
     first: int | None = None
     devices: Sequence[object] = ()
+
+    @property
+    def homable(self) -> bool:
+        """Whether there is a belt that can be told where it stands."""
+        return any(isinstance(device, Homing) for device in self.devices)
 
     def sort(
         self, listener: Listener | None = None, operator: Operator = nobody, check: Check = nothing
@@ -162,10 +170,13 @@ def open_run(
 
     devices: list[object] = []
     cell = compose(description, live=live, say=say, record=calls, made=devices.append)
+    if resume is not None and bool(cell.rehearsed) != resume.name.endswith(DRY_RUN):
+        kind, remedy = ("a dry run", "without") if resume.name.endswith(DRY_RUN) else ("a live run", "with")
+        raise CellError(f"{resume} is {kind}, expected to be resumed as it began: resume it {remedy} --live")
     if broken_off is not None:
         _restore(devices, broken_off)
     if cell.rehearsed and resume is None:
-        calls.folder = runs / f"{calls.folder.name}-dry-run"
+        calls.folder = runs / f"{calls.folder.name}{DRY_RUN}"
     model, classifier = _knowledge(description, progress)
     return CellRun(
         description,

@@ -8,7 +8,7 @@ not belong. docs/recovery.md shows the same as tables.
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import Enum
 from typing import NamedTuple, TypeVar
 
@@ -100,6 +100,8 @@ class Way:
 
 
 MENDED = (Way("once that is mended"),)
+FURTHER = Way("if another one further on is", home=NUMBER)
+"""The run then asks about those between."""
 
 
 @dataclass(frozen=True)
@@ -116,12 +118,15 @@ class Hold:
         How to go on, by what is true.
     person
         Whether a person must decide or see to the cell, so that resuming again and again does not help.
+    object
+        Number of the object that the run has at the belt end.
     """
 
     command: Command | None
     reason: str
     ways: tuple[Way, ...] = MENDED
     person: bool = False
+    object: int | None = None
 
     @property
     def answers(self) -> tuple[Answer, ...]:
@@ -240,10 +245,10 @@ class Commander:
                 case Step.WAIT:
                     failure = self._send(command, before=failure)
                 case Step.REPEAT:
-                    if not self._belt_stands(self._places(command), command):
+                    again = self._again(command)
+                    if again is None:
                         return
-                    command = self._again(command)
-                    failure = self._send(command)
+                    command, failure = again, self._send(again)
                 case _:
                     failure = self._failure(command, failure.why)
 
@@ -257,9 +262,17 @@ class Commander:
         self._hold(Hold(command, f"it failed {attempts} times, most recently: {failure.why}"))
         return iter(self._rules.retry_delays)
 
-    def _again(self, command: Command) -> Command:
-        """Write down the next attempt at a command."""
-        following = command.again(self._asked(lambda: self._ready(command.name), command))
+    def _again(self, command: Command) -> Command | None:
+        """Write down the next attempt at a command; None if the belt has passed objects meanwhile.
+
+        The belt is asked once more when the device is ready: until then, somebody may have seen to the cell.
+        """
+        if not self._belt_stands(self._places(command), command):
+            return None
+        boot_id = self._asked(lambda: self._ready(command.name), command)
+        if not self._belt_stands(self._places(command), command):
+            return None
+        following = command.again(boot_id)
         self._record("intent", command=asdict(following))
         return following
 
@@ -271,17 +284,15 @@ class Commander:
         """
         try:
             stopped = self._act(command)
-        except EmergencyStopError as failure:
-            self._failed(command, failure)
-            raise
         except CommandError as failure:
-            self._failed(command, failure)
-            sure = failure.outcome is Outcome.BROKEN_OFF or (
-                failure.outcome is Outcome.NOT_DONE and before is None
-            )
+            refused = failure.outcome is Outcome.NOT_DONE and before is None
+            self._failed(command, failure, final=refused)
+            if isinstance(failure, EmergencyStopError):
+                raise
+            sure = refused or failure.outcome is Outcome.BROKEN_OFF
             return Failure(failure.outcome, str(failure)) if sure else self._failure(command, str(failure))
         except BaseException as interrupt:
-            self._failed(command, interrupt)
+            self._failed(command, interrupt, final=False)
             raise
         if command.name == "advance" and not self._belt_stands(
             range(command.target, command.target + 1), command
@@ -290,9 +301,12 @@ class Commander:
         self._record("outcome", command_id=command.id, outcome="done", stopped=stopped)
         return None
 
-    def _failed(self, command: Command, failure: BaseException) -> None:
+    def _failed(self, command: Command, failure: BaseException, *, final: bool) -> None:
+        """Write down how an attempt failed, and whether it is certain that it never acts."""
         outcome = failure.outcome if isinstance(failure, CommandError) else Outcome.UNKNOWN
-        self._record("outcome", command_id=command.id, outcome=outcome.value, error=repr(failure))
+        self._record(
+            "outcome", command_id=command.id, outcome=outcome.value, error=repr(failure), final=final
+        )
 
     def _act(self, command: Command) -> float | None:
         cell, target, identity = self._cell, command.target, command.id
@@ -348,7 +362,8 @@ class Commander:
             position = self._asked(belt.position, command)
             if position is None or position in expected or (position == NOWHERE and on_its_way):
                 return True
-            answer = self._hold(_astray(position, expected, command, belt.health().needs_home))
+            needs_home = self._asked(belt.health, command).needs_home
+            answer = self._hold(_astray(position, expected, command, needs_home))
             if answer is Answer.PASSED:
                 self._record("passed", index=position)
                 return False
@@ -358,7 +373,7 @@ class Commander:
         """Ask a person, and write down that it was asked."""
         command_id = None if hold.command is None else hold.command.id
         self._record("state", state=State.HELD, reason=hold.reason, command_id=command_id)
-        answer = self._operator(hold)
+        answer = self._operator(replace(hold, object=self._progress.index))
         said = "mended" if answer is None else answer.value
         self._record("state", state=State.EXECUTE, reason=f"a person said: {said}")
         return answer
@@ -394,8 +409,7 @@ class Commander:
             reason = f"the device for {name} is not ready: {health.fault}"
             if health.needs_home:
                 places = range(index, index + 1) if pending is None else self._places(pending)
-                further = Way("if one further on is", home=NUMBER)  # the run then asks about those between
-                ways = (*_at_the_end(places), further)
+                ways = (*_at_the_end(places), FURTHER)
                 self._hold(
                     Hold(pending, f"{reason}; look which object is at the belt end", ways, person=True)
                 )
@@ -424,6 +438,7 @@ def _astray(position: int, expected: range, command: Command | None, needs_home:
     if position > last:
         when = f"if object {position} is, take care of those that went past unsorted"
         ways.append(Way(when, Answer.PASSED, home=position if needs_home else None))
+    ways.append(FURTHER)
     reason = (
         f"the belt says that it stands {stands}, expected at object {last}; "
         "look which object is at the belt end"

@@ -85,7 +85,7 @@ class Progress:
     pending
         The command that is not known to be done, in its latest attempt.
     told
-        What a person said became of that attempt.
+        What became of that attempt, if it is certain: it was refused, or a person has said so.
     bin
         Where the object at the belt end is to be sorted, from the decision until it is done.
     visible
@@ -194,6 +194,8 @@ class Progress:
 
     def _outcome(self, data: dict[str, Any]) -> None:
         command = self._check_pending(data)
+        if data.get("final"):
+            self.told = Outcome.NOT_DONE
         if data["outcome"] == "done":
             self.pending = self.told = None
             self.stopped = max(self.stopped, data["stopped"] or 0.0)
@@ -216,7 +218,7 @@ class Progress:
         self.pending = self.told = self.bin = None
         while self.index < min(data["index"], self.end):
             self._shift(self.index + 1)
-        self.owed = Owed.CHOICE
+        self.owed, self.arrived = Owed.CHOICE, False  # somebody was at the cell
 
     def _moved(self, command: Command) -> None:
         self.viewpoint, self.arrived = command.target, True
@@ -302,7 +304,7 @@ class Progress:
 
 _PLAIN = (
     *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived"),
-    *("steps", "commands", "glances", "strays", "stopped", "bin"),
+    *("steps", "commands", "glances", "strays", "stopped", "bin", "passed"),
 )
 
 _EFFECTS: dict[str, Callable[[Progress, dict[str, Any]], None]] = {

@@ -15,6 +15,6 @@ def stopping(cell: Cell) -> Iterator[None]:
         for device in (cell.arm, cell.belt, cell.sorter, cell.camera):
             try:
                 device.stop()
-            except Exception as reason:  # whatever it is, the others must be stopped all the same
-                failure.add_note(f"a device could not be stopped: {reason}")
+            except BaseException as reason:  # an interrupt, too: the others must be stopped all the same
+                failure.add_note(f"a device could not be stopped: {reason!r}")
         raise

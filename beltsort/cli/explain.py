@@ -62,9 +62,7 @@ def as_json(step: Step, depth: int) -> dict[str, object]:
 def show(step: Step, depth: int) -> None:
     """Print the step in words."""
     model = step.model
-    at = (
-        f"object {(step.entry.object or 0) + 1} at the belt end, camera at {model.viewpoints[step.viewpoint]}"
-    )
+    at = f"object {step.entry.object or 0} at the belt end, camera at {model.viewpoints[step.viewpoint]}"
     print(f"Step {step.number}, {step.entry.time[:19].replace('T', ' ')} UTC: {at}. Belief:")
     rows = enumerate(step.belief.probabilities.tolist())
     print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])

@@ -49,7 +49,7 @@ class Narrator:
                 text = self._skip()
             case _:
                 return None
-        return text if entry.object is None else f"object {entry.object + 1:>2}  {text}"
+        return text if entry.object is None else f"object {entry.object:>2}  {text}"
 
     def why(self, plan: dict[str, Any]) -> str:
         """Return the reason of a plan: the values of its best action and of the next best."""

@@ -7,13 +7,13 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from beltsort import ArgumentError
+from beltsort import ArgumentError, BeltsortError
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.cells import add_cell, tell_pretence
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
 from beltsort.cli.output import print_json, tell
 from beltsort.cli.watching import listening, stages
-from beltsort.commander import Answer, HeldError, Hold, Operator
+from beltsort.commander import Answer, HeldError, Hold
 from beltsort.interrupts import Interrupts
 from beltsort.runs import JOURNAL
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from beltsort.cell.description import CellDescription
     from beltsort.cell_run import CellRun
+    from beltsort.progress import Progress
     from beltsort.report import SortingReport
 
 
@@ -75,14 +76,19 @@ def run(arguments: Namespace) -> int:
             first=arguments.first_object,
         )
     tell_pretence(console, description, opened.cell)
+    operator = Settling(arguments.settle, opened.broken_off)
     with Interrupts() as interrupts, listening(console) as listener:
         try:
-            report = opened.sort(listener, operator(arguments.settle), interrupts.check)
+            report = opened.sort(listener, operator, interrupts.check)
         except HeldError as held:
             tell(f"beltsort: {held}")
-            for line in lines_to_type(held.hold, arguments, opened.folder):
+            for line in lines_to_type(held.hold, arguments, opened):
                 tell(f"    {line}")
             return NEEDS_PERSON if held.hold.person else TRY_AGAIN
+        except (BeltsortError, KeyboardInterrupt):
+            if (opened.folder / JOURNAL).exists():
+                tell(f"beltsort: to go on: {shlex.join(words_to_resume(arguments, opened))}")
+            raise
     tell_result(console, opened, report)
     if arguments.json:
         try:
@@ -93,19 +99,48 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def operator(settle: str | None) -> Operator:
-    """Return who says what became of a command: the option once, then whoever sits at the terminal."""
-    told = [] if settle is None else [Answer(settle)]
+class Settling:
+    """Gives the answer of `--settle` where the run asks for it, or asks at the terminal.
 
-    def answer(hold: Hold) -> Answer | None:
-        if told and told[0] in hold.answers:
-            return told.pop()
+    Parameters
+    ----------
+    settle
+        The option.
+    broken_off
+        How far the run had come that is resumed.
+
+    Raises
+    ------
+    ArgumentError
+        If the run waits for no such answer.
+    """
+
+    def __init__(self, settle: str | None, broken_off: "Progress | None") -> None:
+        self._answer = None if settle is None else Answer(settle)
+        self._index = None if broken_off is None else broken_off.index
+        if self._answer is not None and (broken_off is None or not waits_for(self._answer, broken_off)):
+            raise ArgumentError(
+                f"--settle is {settle}, but this run waits for no such answer (it may have been given "
+                "already): leave it out"
+            )
+
+    def __call__(self, hold: Hold) -> Answer | None:
+        """Return the answer to a hold: the option answers the first question only."""
+        answer, self._answer = self._answer, None
+        if answer in hold.answers and hold.object == self._index:
+            return answer
         homing = any(way.home is not None for way in hold.ways)  # by another command, which needs the device
-        if homing or not (sys.stdin.isatty() and sys.stderr.isatty()):
+        if homing or sys.stdin is None or not (sys.stdin.isatty() and sys.stderr.isatty()):
             raise HeldError(hold)
         return ask(hold)
 
-    return answer
+
+def waits_for(answer: Answer, broken_off: "Progress") -> bool:
+    """Tell whether an answer can be about where a run was broken off."""
+    if answer is Answer.PASSED:
+        return True
+    pending = broken_off.pending
+    return pending is not None and pending.name == "sort" and broken_off.told is None
 
 
 def ask(hold: Hold) -> Answer | None:
@@ -124,19 +159,29 @@ def ask(hold: Hold) -> Answer | None:
             return ways[word].answer
 
 
-def lines_to_type(hold: Hold, arguments: Namespace, run: Path) -> list[str]:
-    """Return the command lines for each way to go on with a run that is held, or to begin it."""
-    live = ["--live"] if arguments.live else []
-    begun = ["--resume", str(run)] if (run / JOURNAL).exists() else []
+def lines_to_type(hold: Hold, arguments: Namespace, opened: "CellRun") -> list[str]:
+    """Return what to type for each way to go on with a run that is held, or to begin it."""
     lines = []
     for way in hold.ways:
-        words = ["beltsort", "run", arguments.cell, *live, *begun]
-        if way.answer is not None:
-            words += ["--settle", way.answer.value]
-        homing = ["beltsort", "home", arguments.cell, str(way.home), *live]
-        typed = [shlex.join(words)] if way.home is None else [shlex.join(homing), shlex.join(words)]
-        lines.append(f"{way.when}: {' && '.join(typed)}")
+        settle = [] if way.answer is None else ["--settle", way.answer.value]
+        typed = shlex.join([*words_to_resume(arguments, opened), *settle])
+        if way.home is not None and opened.homable:
+            homing = ["beltsort", "home", arguments.cell, str(way.home), "--live"]
+            typed = f"{shlex.join(homing)} && {typed}"
+        elif way.home is not None:
+            typed = f"bring the belt to object {way.home} by its own means, then {typed}"
+        lines.append(f"{way.when}: {typed}")
     return lines
+
+
+def words_to_resume(arguments: Namespace, opened: "CellRun") -> list[str]:
+    """Return the command that goes on with a run, or begins it if it has not begun."""
+    words = ["beltsort", "run", arguments.cell, *(["--live"] if arguments.live else [])]
+    if arguments.objects is not None:
+        words += ["--objects", str(arguments.objects)]
+    if (opened.folder / JOURNAL).exists():
+        words += ["--resume", str(opened.folder)]
+    return words
 
 
 def described(arguments: Namespace) -> "CellDescription":

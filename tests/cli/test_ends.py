@@ -13,12 +13,18 @@ from typing import Any
 import pytest
 
 from beltsort import BeltsortError
+from beltsort.cell import Outcome
 from beltsort.cell.modbus import ModbusOptions
 from beltsort.cell.modbus import make as make_modbus
 from beltsort.cli import code_of, exit_codes, main
+from beltsort.cli.run import Settling
+from beltsort.command import Command
+from beltsort.commander import Answer, HeldError, Hold, Way
 from beltsort.errors import JournalNotWrittenError
 from beltsort.journal import read_journal
 from beltsort.locks import InUseError, devices_locked, locked
+from beltsort.models import paper
+from beltsort.progress import Progress
 from tests.cli.cells import cell_file
 from tests.contract.peers import ModbusPeer
 from tests.waiting import wait_until
@@ -162,6 +168,44 @@ def test_a_run_goes_on_when_nobody_reads_its_output(folder: Path) -> None:
     assert entries[-1].data == {"reason": "done"}
     assert sum(entry.kind == "decision" for entry in entries) == 10
     assert sum(entry.kind == "unheard" for entry in entries) == 1
+
+
+def test_a_run_is_resumed_as_it_began(
+    folder: Path, peer: ModbusPeer, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Else a rehearsal would say of a live run's objects that they were sorted."""
+    cell = modbus_cell(folder, peer)
+    peer.device().close()
+    assert main(["run", cell, "--objects", "1", "--first-object", "0"]) == 0
+    rehearsed = the_run(folder)
+    assert rehearsed.name.endswith("-dry-run")
+    assert main(["run", cell, "--resume", str(rehearsed), "--live"]) == exit_codes.WRONG
+    assert "is a dry run" in capsys.readouterr().err
+    live = rehearsed.rename(rehearsed.with_name("live"))
+    assert main(["run", cell, "--resume", str(live)]) == exit_codes.WRONG
+    assert re.search(r"\bis a live run\b.*\bwith --live\b", capsys.readouterr().err)
+
+
+def test_an_answer_is_for_what_was_asked(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cell = cell_file(folder)
+    assert main(["run", cell, "--settle", "done"]) == exit_codes.WRONG
+    assert main(["run", cell, "--objects", "1"]) == 0
+    capsys.readouterr()
+    runs = sorted((folder / "runs").iterdir())
+    assert main(["run", cell, "--resume", str(runs[-1]), "--settle", "done"]) == exit_codes.WRONG
+    assert re.search(r"--settle is done\b.*\bno such answer\b", capsys.readouterr().err)
+    broken_off = Progress.at_start(paper())
+    broken_off.index, broken_off.pending = 7, Command("5e-sort-3", "sort", 2, "boot")
+    ways = (Way("if it is", Answer.DONE), Way("if not", Answer.NOT_DONE))
+    settling = Settling("done", broken_off)
+    assert settling(Hold(broken_off.pending, "?", ways, object=7)) is Answer.DONE
+    with pytest.raises(HeldError):
+        settling(Hold(broken_off.pending, "?", ways, object=7))
+    with pytest.raises(HeldError):
+        Settling("done", broken_off)(Hold(broken_off.pending, "?", ways, object=12))
+    broken_off.told = Outcome.NOT_DONE
+    with pytest.raises(BeltsortError, match=r"\bgiven already\b"):
+        Settling("not-done", broken_off)
 
 
 def test_a_pressed_emergency_stop_is_told_apart(

@@ -215,7 +215,7 @@ def test_an_arm_that_arrives_elsewhere_is_told(folder: Path, capsys: pytest.Capt
     assert re.search(r"wrong viewpoint: .*\bp\d\b", capsys.readouterr().out)
     (run,) = (folder / "runs").iterdir()
     assert main(["explain", str(run), "--step", "1"]) == 0
-    assert "While it was carried out:\n  object  1  wrong viewpoint: " in capsys.readouterr().out
+    assert "While it was carried out:\n  object  0  wrong viewpoint: " in capsys.readouterr().out
     assert main(["explain", str(run), "--step", "1", "--json"]) == 0
     assert [mishap["kind"] for mishap in result_of(capsys)["befell"]] == ["wrong_viewpoint"]
 

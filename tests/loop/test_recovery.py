@@ -11,7 +11,7 @@ import beltsort
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
 from beltsort.cell.protocols import NOWHERE
 from beltsort.command import Command
-from beltsort.commander import STEPS, Answer, HeldError, Hold, Operator, Step, nobody
+from beltsort.commander import NUMBER, STEPS, Answer, HeldError, Hold, Operator, Step, nobody
 from beltsort.interrupts import Interrupted, Interrupts
 from beltsort.journal import Entry, Journal, read_journal
 from beltsort.report import SortingReport
@@ -162,12 +162,64 @@ def test_an_answer_outlives_another_hold(tmp_path: Path) -> None:
     assert len(sorts(cell)) == 2
 
 
+def test_a_refusal_needs_no_person_even_if_the_device_forgets_it(tmp_path: Path) -> None:
+    class Full(Controller):
+        full = True
+
+        def _act(self, name: str, target: int, command_id: str) -> None:
+            if name == "sort" and self.full:
+                raise CommandError("the bin is full", Outcome.NOT_DONE)
+            super()._act(name, target, command_id)
+
+        def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
+            return self.memory.get(command_id, Outcome.UNKNOWN)
+
+    cell = Full(PAPER)
+    with pytest.raises(HeldError, match=r"\bfull\b"):
+        begin(tmp_path, cell)
+    cell.full = False
+    assert len(go_on(tmp_path, cell).decisions) == 2
+    assert len(sorts(cell)) == 2
+
+
+def test_a_belt_that_is_moved_while_a_device_is_not_ready_is_noticed(tmp_path: Path) -> None:
+    """The door is open when a sort is repeated; whoever closes it has moved the belt."""
+
+    class Door(Controller):
+        tries, closed = 0, True
+
+        def _act(self, name: str, target: int, command_id: str) -> None:
+            if name == "sort" and self.tries == 0:
+                self.tries, self.closed = 1, False
+                raise CommandError("the door was opened", Outcome.NOT_DONE)
+            super()._act(name, target, command_id)
+
+        def health(self) -> Health:
+            return Health(ready=self.closed, boot_id="1", fault="" if self.closed else "door open")
+
+    cell = Door(PAPER)
+
+    def operator(hold: Hold) -> Answer | None:
+        if "door open" not in hold.reason:
+            return nobody(hold)
+        cell.closed, cell.at = True, 1
+        return None
+
+    with pytest.raises(HeldError, match=r"\bobject 1\b.*\bexpected at object 0\b"):
+        begin(tmp_path, cell, operator)
+    assert sorts(cell) == []
+
+
 def test_a_belt_that_stands_elsewhere_holds_the_run_before_anything_is_dropped(tmp_path: Path) -> None:
     cell = Controller(PAPER, at=1)
     with pytest.raises(HeldError, match=r"\bobject 1\b.*\bexpected at object 0\b") as held:
         begin(tmp_path, cell)
     assert cell.acts == []
-    assert [(way.home, way.answer) for way in held.value.hold.ways] == [(0, None), (None, Answer.PASSED)]
+    assert [(way.home, way.answer) for way in held.value.hold.ways] == [
+        (0, None),
+        (None, Answer.PASSED),
+        (NUMBER, None),
+    ]
     report = go_on(tmp_path, cell, lambda _hold: Answer.PASSED)
     assert (report.passed, [d.object for d in report.decisions]) == ((0,), [1])
 

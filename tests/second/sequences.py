@@ -257,9 +257,11 @@ class Sequence(ABC):
             return self.in_bin(progress_in(self.folder / JOURNAL).index) == (way.answer is Answer.DONE)
         if any(other.home is not None for other in hold.ways):
             stands = self.at_the_end()
-            if way.answer is Answer.PASSED or way.home == NUMBER:
-                return all(other.home != stands for other in hold.ways if other is not way)
-            return way.home == stands
+            further = all(other.home != stands for other in hold.ways if other.answer is None)
+            if way.answer is Answer.PASSED:
+                return further and f"object {stands} " in way.when
+            told = any(other.answer and f"object {stands} " in other.when for other in hold.ways)
+            return further and not told if way.home == NUMBER else way.home == stands
         return True
 
     @staticmethod

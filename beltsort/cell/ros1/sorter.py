@@ -1,6 +1,6 @@
 """A sorter that keeps a record of command ids."""
 
-from itertools import count
+from itertools import count, takewhile
 
 from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
 from beltsort.cell.ros.ledger import Ledger
@@ -52,8 +52,9 @@ class Ros1Sorter(Ros1Device):
         except CellError:
             return Outcome.UNKNOWN
         statuses = _statuses(news)
-        done = statuses.get(_key(command_id, statuses), (None, ""))[0] == SUCCEEDED
-        return Outcome.DONE if done else Outcome.UNKNOWN
+        attempts = takewhile(statuses.__contains__, (f"{command_id}/{number}" for number in count(1)))
+        told = [statuses[key][0] for key in attempts]
+        return _outcome(told[-1]) if told else Outcome.UNKNOWN
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`.
@@ -115,7 +116,7 @@ class Ros1Sorter(Ros1Device):
             if status is not None and status not in RUNNING:
                 raise CommandError(
                     f"the sorter broke {key!r} off ({status}): {text}; look where the object is",
-                    Outcome.UNKNOWN,
+                    Outcome.BROKEN_OFF,
                 )
             self._check_emergency_stop(deadline, Outcome.UNKNOWN)
         raise CommandError(
@@ -129,6 +130,15 @@ def _statuses(news: News | None) -> dict[str, tuple[int, str]]:
     """Return the status and its explanation of each key that the sorter remembers."""
     listed = [] if news is None else news.message["status_list"]
     return {entry["goal_id"]["id"]: (entry["status"], entry["text"]) for entry in listed}
+
+
+def _outcome(status: int) -> Outcome:
+    """Return what a key's status means."""
+    if status == SUCCEEDED:
+        return Outcome.DONE
+    if status in RUNNING:
+        return Outcome.RUNNING
+    return Outcome.NOT_DONE if status in REFUSED else Outcome.BROKEN_OFF
 
 
 def _key(command_id: str, statuses: dict[str, tuple[int, str]]) -> str:

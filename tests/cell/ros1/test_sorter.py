@@ -50,14 +50,14 @@ def test_another_program_learns_what_became_of_a_sort(rig: Rig, sorter: Ros1Sort
         assert rig.tell()["bins"] == bins
 
 
-def test_a_sort_that_was_stopped_on_the_way_is_unknown(rig: Rig, sorter: Ros1Sorter) -> None:
+def test_a_sort_that_was_stopped_on_the_way_is_broken_off(rig: Rig, sorter: Ros1Sorter) -> None:
     rig.tell(sort=60.0)
     one = an_id()
     stopping = rig.when_busy("sorter", sorter.stop)
     with pytest.raises(CommandError, match=rf"'{one}/1'.*stopped on the way") as error:
         sorter.sort(1, one, timeout=10.0)
     stopping.join()
-    assert error.value.outcome is sorter.outcome_of(one) is Outcome.UNKNOWN
+    assert error.value.outcome is sorter.outcome_of(one) is Outcome.BROKEN_OFF
 
 
 def test_the_emergency_stop(rig: Rig, sorter: Ros1Sorter) -> None:
