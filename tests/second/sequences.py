@@ -192,6 +192,9 @@ class Sequence(ABC):
             assert self.account.starts < STARTS, "the run cannot be resumed by what it says"
             ended = self.started(settle)
             settle = None
+            if self.pressed:  # before anything else: a controller takes no homing while it is
+                self.release()
+                self.pressed = False
             match ended:
                 case SortingReport():
                     return ended
@@ -202,9 +205,6 @@ class Sequence(ABC):
                         file.unlink()
                 case "EmergencyStopError":
                     self.account.held["emergency stop"] += 1
-            if self.pressed:
-                self.release()
-                self.pressed = False
 
     def started(self, settle: Answer | None) -> Any:
         """Let the run go on in a process; return how it ended."""

@@ -82,9 +82,9 @@ def test_nothing_is_lost_or_done_twice(binary: Path, tmp_path: Path) -> None:
 def test_nothing_is_lost_or_done_twice_with_a_reference_server(
     kind: type[ServerPeer], tmp_path: Path
 ) -> None:
-    account = ran(reference(kind), tmp_path, range(12))
+    account = ran(reference(kind), tmp_path, range(6))
     print(told(account))
-    assert account.faults.total() > 20
+    assert account.faults.total() > 10
 
 
 @pytest.mark.soak
