@@ -13,8 +13,8 @@ from beltsort.cell.description import CellDescription
 from beltsort.cell.problems import CellFileError
 from beltsort.cell.protocols import NOWHERE, Homing, Restorable, TellsPosition
 from beltsort.cell.simulated.backend import trainable_config
-from beltsort.commander import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.errors import CellError
+from beltsort.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.journal import Journal, Listener
 from beltsort.locks import devices_locked, locked
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig
@@ -122,9 +122,9 @@ class CellRun:
         beginning = Progress.at_start(self.model)
         if self.first is not None:
             beginning.index = beginning.first = self.first
-            _restore(self.devices, beginning)
+            restore(self.devices, beginning)
         beginning.index = beginning.first = first_object(self.cell, self.devices, self.first)
-        _restore(self.devices, beginning)
+        restore(self.devices, beginning)
         return beginning.first
 
 
@@ -174,7 +174,7 @@ def open_run(
         kind, remedy = ("a dry run", "without") if resume.name.endswith(DRY_RUN) else ("a live run", "with")
         raise CellError(f"{resume} is {kind}, expected to be resumed as it began: resume it {remedy} --live")
     if broken_off is not None:
-        _restore(devices, broken_off)
+        restore(devices, broken_off)
     if cell.rehearsed and resume is None:
         calls.folder = runs / f"{calls.folder.name}{DRY_RUN}"
     model, classifier = _knowledge(description, progress)
@@ -190,7 +190,7 @@ def open_run(
     )
 
 
-def _restore(devices: Sequence[object], where: Progress) -> None:
+def restore(devices: Sequence[object], where: Progress) -> None:
     """Have the devices whose world ends with the process stand where the run begins or broke off."""
     for device in devices:
         if isinstance(device, Restorable):

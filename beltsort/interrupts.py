@@ -1,8 +1,12 @@
 """Signals that end a run in good order."""
 
 import signal
+from collections.abc import Callable
 from types import FrameType
-from typing import Self
+from typing import Any, Self, TypeAlias
+
+Handler: TypeAlias = Callable[[int, FrameType | None], Any] | int | signal.Handlers
+"""Of a signal, as `signal.getsignal` returns it."""
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
@@ -36,7 +40,7 @@ class Interrupts:
 
     def __init__(self) -> None:
         self._received: signal.Signals | None = None
-        self._before: dict[signal.Signals, object] = {}
+        self._before: dict[signal.Signals, Handler] = {}
 
     def check(self) -> None:
         """Raise `Interrupted` if a signal has come."""
@@ -47,7 +51,7 @@ class Interrupts:
         """Handle the signals."""
         for number in SIGNALS:
             before = signal.getsignal(number)
-            if before is not signal.SIG_IGN:
+            if before is not None and before is not signal.SIG_IGN:  # None: not installed from Python
                 self._before[number] = before
                 signal.signal(number, self._handle)
         return self
@@ -55,7 +59,7 @@ class Interrupts:
     def __exit__(self, *_: object) -> None:
         """Handle them as before."""
         for number, before in self._before.items():
-            signal.signal(number, before)  # type: ignore[arg-type]
+            signal.signal(number, before)
 
     def _handle(self, number: int, _frame: FrameType | None) -> None:
         first, self._received = self._received is None, signal.Signals(number)

@@ -6,8 +6,8 @@ from typing import Protocol
 from beltsort._core import Belief, ImpossibleObservationError
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.arrival import Deviation, deviation_from, viewpoint_poses
-from beltsort.commander import HeldError, Hold
 from beltsort.errors import CloudError
+from beltsort.holds import HeldError, Hold
 from beltsort.progress import Progress
 from beltsort.record import Record
 from beltsort.rules import Rules

@@ -9,8 +9,8 @@ from typing import Any
 from beltsort import SortingModel
 from beltsort.cell.protocols import Cell
 from beltsort.cell.wrappers.recorder import Recorded
-from beltsort.commander import Operator, nobody
 from beltsort.errors import JournalError
+from beltsort.holds import Operator, nobody
 from beltsort.journal import Journal, Listener
 from beltsort.policy import Policy
 from beltsort.report import Decision, SortingReport

@@ -10,8 +10,9 @@ from beltsort._core import Despot, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
 from beltsort.cell.stopping import stopping
 from beltsort.choosing import Chooser
-from beltsort.commander import Commander, HeldError, Hold, Operator, nobody
+from beltsort.commander import Commander
 from beltsort.errors import CellError
+from beltsort.holds import HeldError, Hold, Operator, nobody
 from beltsort.journal import Journal
 from beltsort.observing import Observer, Perceive, PerceivedPosition
 from beltsort.packml import State

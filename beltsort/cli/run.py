@@ -13,7 +13,7 @@ from beltsort.cli.cells import add_cell, tell_pretence
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
 from beltsort.cli.output import print_json, tell
 from beltsort.cli.watching import listening, stages
-from beltsort.commander import Answer, HeldError, Hold
+from beltsort.holds import Answer, HeldError, Hold
 from beltsort.interrupts import Interrupts
 from beltsort.runs import JOURNAL
 

@@ -14,13 +14,12 @@ import pytest
 
 from beltsort import BeltsortError
 from beltsort.cell import Outcome
-from beltsort.cell.modbus import ModbusOptions
-from beltsort.cell.modbus import make as make_modbus
+from beltsort.cell.controller import FieldbusDevice
 from beltsort.cli import code_of, exit_codes, main
 from beltsort.cli.run import Settling
 from beltsort.command import Command
-from beltsort.commander import Answer, HeldError, Hold, Way
 from beltsort.errors import JournalNotWrittenError
+from beltsort.holds import Answer, HeldError, Hold, Way
 from beltsort.journal import read_journal
 from beltsort.locks import InUseError, devices_locked, locked
 from beltsort.models import paper
@@ -60,6 +59,12 @@ def modbus_cell(folder: Path, peer: ModbusPeer, *changes: tuple[str, str]) -> st
     return cell
 
 
+def homed(peer: ModbusPeer, index: int) -> FieldbusDevice:
+    device = peer.unhomed()
+    device.home(index)
+    return device
+
+
 def begun(cell: str, *arguments: str, **streams: Any) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "beltsort", "run", cell, *arguments]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **streams)
@@ -96,8 +101,7 @@ def test_a_second_run_is_refused_while_one_is_under_way(
     folder: Path, peer: ModbusPeer, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cell = modbus_cell(folder, peer)
-    device = make_modbus(ModbusOptions("127.0.0.1", peer.port, allow_insecure=True))
-    device.home(3)
+    device = homed(peer, 3)
     with devices_locked([device]):
         for command in (["run", cell, "--live"], ["home", cell, "0", "--live"], ["check", cell, "--live"]):
             assert main(command) == exit_codes.IN_USE
@@ -212,9 +216,7 @@ def test_a_pressed_emergency_stop_is_told_apart(
     folder: Path, peer: ModbusPeer, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cell = modbus_cell(folder, peer)
-    device = make_modbus(ModbusOptions("127.0.0.1", peer.port, allow_insecure=True))
-    device.home(0)
-    device.close()
+    homed(peer, 0).close()
     peer.push("press")
     assert main(["run", cell, "--objects", "1", "--live"]) == exit_codes.EMERGENCY_STOP
     peer.push("release")

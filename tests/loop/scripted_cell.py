@@ -93,6 +93,17 @@ class ScriptedCell:
         return float(len(self.acts))
 
 
+class LookOnce:
+    """Looks at each object once, then names what it most likely is."""
+
+    def __init__(self) -> None:
+        self.looked = False
+
+    def act(self, belief: beltsort.Belief, viewpoint: int) -> beltsort.Move | beltsort.Decide:
+        self.looked = not self.looked
+        return beltsort.Move(1) if self.looked else beltsort.Decide(belief.most_likely(0)[0])
+
+
 def scripted(scans: Iterable[Sequence[Glimpse] | str]) -> Callable[[Scan], list[Glimpsed]]:
     """Return a perception that tells of one scan after the other what the script says."""
     script = iter(scans)

@@ -8,12 +8,12 @@ import pytest
 
 import beltsort
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
-from beltsort.commander import Answer, HeldError, Hold, Operator, nobody
+from beltsort.holds import Answer, HeldError, Hold, Operator, nobody
 from beltsort.journal import Entry, Journal, read_journal
 from beltsort.report import SortingReport
 from beltsort.rules import Rules
 from beltsort.sorter import resume_sorting, sort_objects
-from tests.loop.scripted_cell import ScriptedCell, scripted
+from tests.loop.scripted_cell import LookOnce, ScriptedCell, scripted
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json").replace(r_min=5)
 IMPATIENT = Rules(retry_delays=(0.0, 0.0))
@@ -70,17 +70,6 @@ def press_the_emergency_stop(_cell: FailingCell, _command_id: str) -> None:
 def certain() -> Iterator[list[int]]:
     while True:
         yield [1, 1]
-
-
-class LookOnce:
-    """Looks at each object once, then names what it most likely is."""
-
-    def __init__(self) -> None:
-        self.looked = False
-
-    def act(self, belief: beltsort.Belief, viewpoint: int) -> beltsort.Move | beltsort.Decide:
-        self.looked = not self.looked
-        return beltsort.Move(1) if self.looked else beltsort.Decide(belief.most_likely(0)[0])
 
 
 def sort_two(

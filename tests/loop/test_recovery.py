@@ -11,14 +11,15 @@ import beltsort
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
 from beltsort.cell.protocols import NOWHERE
 from beltsort.command import Command
-from beltsort.commander import NUMBER, STEPS, Answer, HeldError, Hold, Operator, Step, nobody
+from beltsort.commander import STEPS, Step
+from beltsort.holds import NUMBER, Answer, HeldError, Hold, Operator, nobody
 from beltsort.interrupts import Interrupted, Interrupts
 from beltsort.journal import Entry, Journal, read_journal
 from beltsort.report import SortingReport
 from beltsort.rules import Rules
 from beltsort.sorter import resume_sorting, sort_objects
-from tests.loop.scripted_cell import ScriptedCell, scripted
-from tests.loop.test_commander import LookOnce, certain
+from tests.loop.scripted_cell import LookOnce, ScriptedCell, scripted
+from tests.loop.test_commander import certain
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json").replace(r_min=5)
 RULES = Rules(retry_delays=(0.0, 0.0, 0.0))
@@ -143,6 +144,14 @@ def test_what_a_person_says_of_a_sort_that_was_broken_off_is_honoured(
     )
     (told,) = entries(tmp_path, "told")
     assert told.data["outcome"] == answer.value.replace("-", " ")
+
+
+def test_no_answer_is_no_answer(tmp_path: Path) -> None:
+    cell = Controller(PAPER, breaks={"sort": [CommandError]})
+    with pytest.raises(HeldError):
+        begin(tmp_path, cell, lambda _hold: None)
+    assert entries(tmp_path, "told") == []
+    assert sorts(cell) == []
 
 
 def test_an_answer_outlives_another_hold(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import pytest
 import beltsort
 from beltsort.cell import Scan
 from beltsort.cell.simulated import CellConfig, SimulatedCell
+from beltsort.cell_run import restore
 from beltsort.journal import Entry, Journal
 from beltsort.record import progress_in
 from beltsort.report import SortingReport
@@ -37,13 +38,7 @@ def run(folder: Path, interrupt_at: int | None = None, *, resume: bool = False) 
         with Journal(path, listener) as journal:
             return sort_objects(cell, perceive, planner, MODEL, journal, objects=len(TRUE))
     progress = progress_in(path)
-    cell.restore(
-        progress.index,
-        first=progress.first,
-        looks=progress.glances,
-        taken=progress.taken,
-        clock=progress.stopped,
-    )
+    restore([cell], progress)
     with Journal(path, resume=True) as journal:
         return resume_sorting(cell, perceive, planner, journal)
 

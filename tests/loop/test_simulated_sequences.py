@@ -12,7 +12,7 @@ from beltsort.cell.simulated import CellConfig, SimulatedCell
 from beltsort.cell.wrappers.fault_kinds import Fault
 from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
-from beltsort.commander import Answer, Hold
+from beltsort.holds import Answer, Hold
 from beltsort.journal import Journal
 from beltsort.models import paper
 from beltsort.record import progress_in
@@ -20,7 +20,7 @@ from beltsort.report import SortingReport
 from beltsort.rules import Rules
 from beltsort.sorter import resume_sorting, sort_objects
 from tests.loop.killed_run import perceive
-from tests.loop.test_commander import LookOnce
+from tests.loop.scripted_cell import LookOnce
 
 MODEL = paper().replace(p_obs=np.tile(0.01 + 0.96 * np.eye(4), (2, 3, 1, 1)), r_min=5)
 OBJECTS, STARTS = 5, 100

@@ -9,8 +9,8 @@ import pytest
 
 import beltsort
 from beltsort import Belief, Decide, Move
-from beltsort.commander import HeldError
 from beltsort.errors import CellError
+from beltsort.holds import HeldError
 from beltsort.journal import Entry, Journal, read_journal
 from beltsort.policy import Policy
 from beltsort.report import SortingReport

@@ -12,7 +12,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-import beltsort
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.composed import ComposedCell
@@ -21,9 +20,9 @@ from beltsort.cell.modbus import ModbusOptions, make
 from beltsort.cell.opcua import OpcuaOptions
 from beltsort.cell.opcua import make as make_opcua
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
-from beltsort.commander import Answer, HeldError, Hold, Operator
 from beltsort.errors import JournalError
 from beltsort.geometry import BeltLayout
+from beltsort.holds import Answer, HeldError, Hold, Operator
 from beltsort.interrupts import Interrupted, Interrupts
 from beltsort.journal import Journal
 from beltsort.locks import locked
@@ -32,7 +31,7 @@ from beltsort.report import SortingReport
 from beltsort.rules import Rules
 from beltsort.sorter import resume_sorting, sort_objects
 from tests.loop.killed_run import perceive
-from tests.loop.scripted_cell import ScriptedCell
+from tests.loop.scripted_cell import LookOnce, ScriptedCell
 
 CLASSES = 4
 MODEL = paper().replace(p_obs=np.tile(0.01 + 0.96 * np.eye(CLASSES), (2, 3, 1, 1)), r_min=5)
@@ -125,17 +124,6 @@ class Reference:
 
     def where(self, device: FieldbusDevice) -> int:
         return device.position()
-
-
-class LookOnce:
-    """Looks at each object once, then names what it most likely is."""
-
-    def __init__(self) -> None:
-        self.looked = False
-
-    def act(self, belief: beltsort.Belief, viewpoint: int) -> beltsort.Move | beltsort.Decide:
-        self.looked = not self.looked
-        return beltsort.Move(1) if self.looked else beltsort.Decide(belief.most_likely(0)[0])
 
 
 def cell_at(site: Site) -> Cell:

@@ -1,17 +1,11 @@
 """Random sequences of faults during a run, and the truthful person who sees to each hold.
 
-The run is a process of its own (program.py). One controller is in C (controller.c) and shares no code with
-beltsort: there a fault comes at a part of a command's motion, for which the controller holds time still, so
-that a sequence is a function of its seed, however busy the machine is. The others are the reference servers.
+The run is a process of its own (program.py); controllers.py says against which controllers.
 """
 
 import multiprocessing
 import os
-import queue
 import signal
-import subprocess
-import threading
-import time
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Sequence as Sequence_
@@ -23,70 +17,20 @@ import numpy as np
 
 from beltsort.cell import CommandError
 from beltsort.cell.controller import FieldbusDevice
-from beltsort.commander import NUMBER, Answer, Hold, Way
+from beltsort.holds import NUMBER, Answer, Hold, Way
 from beltsort.record import progress_in
 from beltsort.report import SortingReport
-from tests.contract.peers import ServerPeer
-from tests.second.program import JOURNAL, Reference, Second, Site, World, class_of, program
+from tests.second.program import JOURNAL, Site, class_of, program
 from tests.waiting import PATIENCE, wait_until
 
 OBJECTS = 8
-SPEED = 8
 STARTS = 60
 """Starts of a run after which it is taken not to be resumable."""
-
-PARTS = (0.0, 0.3, 0.59, 0.61, 0.95, 2.0)
-"""Of a command's motion: the gripper opens at 0.6, and 2 is behind its end."""
-
-BEFORE = ("stuck", "overshoot", "slip", "lose")
-"""Faults that the controller is told before the command that they befall."""
-
-DURING = ("press", "SIGINT", "SIGTERM", "SIGHUP", "kill", "power", "cut", "garbage")
 
 FORKING = multiprocessing.get_context("forkserver")
 FORKING.set_forkserver_preload(
     ["tests.second.program", "beltsort.cell.modbus.link", "beltsort.cell.opcua.link"]
 )
-
-
-class Controller:
-    """The controller's process. Its world is in a file and outlives it."""
-
-    def __init__(self, binary: Path, folder: Path) -> None:
-        self._command = [str(binary), str(folder / "world"), str(SPEED)]
-        self.port = 0
-        self.starts = 0
-        self.start()
-
-    def start(self) -> None:
-        self._process = subprocess.Popen(
-            [*self._command, str(self.port)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        self.lines: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._read, args=(self._process, self.lines), daemon=True).start()
-        word, number = self.lines.get(timeout=PATIENCE).split()
-        assert word == "listening"
-        self.port = int(number)
-        self.starts += 1
-
-    @staticmethod
-    def _read(process: subprocess.Popen[str], lines: "queue.Queue[str]") -> None:
-        assert process.stdout is not None
-        for line in process.stdout:
-            lines.put(line.strip())
-
-    def say(self, *lines: str) -> None:
-        assert self._process.stdin is not None
-        for line in lines:
-            self._process.stdin.write(f"{line}\n")
-        self._process.stdin.flush()
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
-            assert pipe is not None
-            pipe.close()
 
 
 @dataclass
@@ -292,113 +236,3 @@ def homed(device: FieldbusDevice, index: int) -> bool:
     except CommandError:
         return False
     return True
-
-
-class SecondSequence(Sequence):
-    """A sequence against the controller in C. A fault comes at a part of a command's motion."""
-
-    faults = (*BEFORE, *DURING)
-
-    def __init__(self, binary: Path, folder: Path, seed: int) -> None:
-        super().__init__(folder, seed)
-        self.world = World(folder / "world")
-        self.controller = Controller(binary, folder)
-
-    @property
-    def site(self) -> Site:
-        return Second(self.controller.port, self.folder / "world")
-
-    def arm(self) -> None:
-        self.controller.say(f"at {self.rng.integers(1, 3)} {self.rng.choice(PARTS)}")
-
-    def due(self) -> bool:
-        try:
-            return self.controller.lines.get(timeout=0.005) == "trigger"
-        except queue.Empty:
-            return False
-
-    def befall(self, process: Any) -> None:
-        match self.coming:
-            case "power":
-                self.controller.kill()
-                self.controller.start()
-                self.unasked += 1
-                return
-            case "press":
-                self.controller.say("press")
-                self.pressed = True
-            case "cut":
-                self.controller.say("cut 150")
-            case "garbage":
-                self.controller.say("garbage", "cut 20")
-            case fault if fault in BEFORE:
-                self.controller.say(fault)
-            case _:
-                self.hurt(process)
-        self.controller.say("go")
-
-    def release(self) -> None:
-        self.controller.say("release")
-
-    def in_bin(self, number: int) -> bool:
-        return self.world.bin(number) is not None
-
-    def at_the_end(self) -> int:
-        self.world.belt = float(np.ceil(self.world.belt - 0.1))
-        return round(self.world.belt)
-
-    def check(self, decided: dict[int, int | None], passed: Sequence_[int]) -> None:
-        for number in range(OBJECTS):
-            lies, drops = self.world.bin(number), self.world.drops(number)
-            expected = (class_of(number), 1) if number in decided else (None, 0)
-            assert (lies, drops) == expected, f"object {number} is in bin {lies} after {drops} drops"
-
-    def end(self) -> None:
-        self.controller.kill()
-
-
-class ReferenceSequence(Sequence):
-    """A sequence against a reference server. A fault comes some time after the last one."""
-
-    faults = ("stick", "overshoot", "lose", "press", "SIGINT", "SIGTERM", "SIGHUP", "kill")
-
-    def __init__(self, peer: ServerPeer, folder: Path, seed: int) -> None:
-        super().__init__(folder, seed)
-        self.peer = peer
-        peer.start()
-
-    @property
-    def site(self) -> Site:
-        return Reference(self.peer.options())
-
-    def arm(self) -> None:
-        self.moment = time.monotonic() + float(self.rng.uniform(0.0, 0.6))
-
-    def due(self) -> bool:
-        return bool(self.coming) and time.monotonic() > self.moment
-
-    def befall(self, process: Any) -> None:
-        if self.coming in ("stick", "overshoot", "lose", "press"):
-            self.peer.push(self.coming)
-            self.pressed |= self.coming == "press"
-        else:
-            self.hurt(process)
-
-    def release(self) -> None:
-        self.peer.push("release")
-
-    def in_bin(self, number: int) -> bool:
-        progress = progress_in(self.folder / JOURNAL)
-        before = len(progress.decisions) - (progress.bin is not None)
-        return bool(sum(self.peer.push("look")["bins"]) > before)
-
-    def at_the_end(self) -> int:
-        return int(self.peer.push("look")["position"])
-
-    def check(self, decided: dict[int, int | None], passed: Sequence_[int]) -> None:
-        counts = Counter(class_of(number) for number in decided)
-        bins = self.peer.push("look")["bins"]
-        assert bins == [counts[label] for label in range(len(bins))]
-
-    def end(self) -> None:
-        self.peer.close()

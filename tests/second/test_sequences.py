@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from tests.contract.peers import ModbusPeer, OpcuaPeer, ServerPeer
-from tests.second.sequences import Account, ReferenceSequence, SecondSequence, Sequence
+from tests.second.controllers import ReferenceSequence, SecondSequence
+from tests.second.sequences import Account, Sequence
 
 pytestmark = pytest.mark.process
 

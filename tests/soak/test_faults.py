@@ -16,9 +16,9 @@ from beltsort.cell.composed import ComposedCell
 from beltsort.cell.wrappers.fault_kinds import Fault
 from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
-from beltsort.commander import Answer, Hold
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
+from beltsort.holds import Answer, Hold
 from beltsort.journal import Entry, Journal
 from beltsort.models import paper
 from beltsort.report import SortingReport

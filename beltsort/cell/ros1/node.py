@@ -105,26 +105,8 @@ class Node:
             rospy.Subscriber("/tf_static", transforms, self._fixed, queue_size=QUEUE)
 
     def newest(self, topic: str, after: int, wait: float, not_before: float) -> tuple[dict[str, Any], bytes]:
-        """Return the newest message beyond number `after`, and its bytes if it is not stale.
-
-        Its "stamp" is brought to the monotonic clock by its age at arrival: clocks that are set while a cell
-        works change the order of nothing.
-        """
-        arrived = self._mailboxes[topic].newest(after, wait)
-        message = arrived.message
-        if message is None:
-            return {"number": arrived.number, "message": None}, b""
-        answer = {
-            "number": arrived.number,
-            "stamp": arrived.at - max(0.0, arrived.age),
-            "ros_stamp": arrived.stamp,
-            "ahead": max(0.0, -arrived.age),
-            "node": message._connection_header["callerid"],
-            "message": plain(message),
-        }
-        data = getattr(message, "data", b"")
-        fresh = isinstance(data, bytes) and answer["stamp"] >= not_before
-        return answer, data if fresh else b""
+        """Return the newest message beyond number `after`, and its bytes if it is not stale."""
+        return answered(self._mailboxes[topic].newest(after, wait), not_before)
 
     def publish(self, topic: str, message: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
         """Publish a message if anybody listens; return how many do."""
@@ -154,6 +136,28 @@ class Node:
         parent, child = transform.header.frame_id, transform.child_frame_id
         with self._lock:
             self._frames.add(parent, child, stamp, [t.x, t.y, t.z], [q.x, q.y, q.z, q.w])
+
+
+def answered(arrived: Arrived, not_before: float) -> tuple[dict[str, Any], bytes]:
+    """Return what is told of a message, and its bytes if it is not stale.
+
+    Its "stamp" is brought to the monotonic clock by its age at arrival: clocks that are set while a cell
+    works change the order of nothing.
+    """
+    message = arrived.message
+    if message is None:
+        return {"number": arrived.number, "message": None}, b""
+    answer = {
+        "number": arrived.number,
+        "stamp": arrived.at - max(0.0, arrived.age),
+        "ros_stamp": arrived.stamp,
+        "ahead": max(0.0, -arrived.age),
+        "node": message._connection_header["callerid"],
+        "message": plain(message),
+    }
+    data = getattr(message, "data", b"")
+    fresh = isinstance(data, bytes) and answer["stamp"] >= not_before
+    return answer, data if fresh else b""
 
 
 def plain(value: Any) -> Any:

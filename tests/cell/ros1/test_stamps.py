@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from beltsort.cell.ros1.node import Arrived, Node
+from beltsort.cell.ros1.node import Arrived, answered
 
 
 def message(stamp: float) -> Any:
@@ -15,10 +15,7 @@ def message(stamp: float) -> Any:
 
 def newest(stamp: float, ros_time: float, at: float, not_before: float = 0.0) -> tuple[dict[str, Any], bytes]:
     """Return what the node answers about a message that arrived at `at`, when ROS had `ros_time`."""
-    node = Node.__new__(Node)
-    arrived = Arrived(1, at, ros_time, message(stamp))
-    node._mailboxes = {"/points": SimpleNamespace(newest=lambda _after, _wait: arrived)}  # type: ignore[dict-item]
-    return node.newest("/points", 0, 0.0, not_before)
+    return answered(Arrived(1, at, ros_time, message(stamp)), not_before)
 
 
 @pytest.mark.parametrize("set_by", [0.0, -3600.0, 3600.0])
