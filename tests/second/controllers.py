@@ -39,7 +39,6 @@ class Controller:
     def __init__(self, binary: Path, folder: Path) -> None:
         self._command = [str(binary), str(folder / "world"), str(SPEED)]
         self.port = 0
-        self.starts = 0
         self.start()
 
     def start(self) -> None:
@@ -51,7 +50,6 @@ class Controller:
         word, number = self.lines.get(timeout=PATIENCE).split()
         assert word == "listening"
         self.port = int(number)
-        self.starts += 1
 
     @staticmethod
     def _read(process: subprocess.Popen[str], lines: "queue.Queue[str]") -> None:
