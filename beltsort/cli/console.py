@@ -1,8 +1,8 @@
 """A console for what goes on although nobody reads any more."""
 
 import os
-import sys
 from contextlib import suppress
+from typing import IO
 
 from rich.console import Console
 
@@ -23,13 +23,13 @@ class LastingConsole(Console):
     def on_broken_pipe(self) -> None:
         """Print nothing more."""
         self.gone = self.quiet = True
-        discard_output()
+        discard(self.file)
 
 
-def discard_output() -> None:
-    """Send standard output to nowhere, from now on, as whoever read it has gone."""
+def discard(stream: IO[str]) -> None:
+    """Send a stream to nowhere from now on, as whoever read it has gone; the other stream stays."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, sys.stdout.fileno())
+    os.dup2(nowhere, stream.fileno())
     os.close(nowhere)
     with suppress(OSError):  # standard error may be gone as well
         tell("beltsort: standard output was closed; nothing more is printed there")

@@ -59,7 +59,7 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: Namespace) -> int:
     """Run the command."""
     from beltsort.cell_run import as_json, open_run
-    from beltsort.cli.console import LastingConsole, discard_output
+    from beltsort.cli.console import LastingConsole, discard
     from beltsort.runs import make_folder
 
     console = LastingConsole(stderr=arguments.json, highlight=False, soft_wrap=True)
@@ -95,7 +95,7 @@ def run(arguments: Namespace) -> int:
             print_json(as_json(opened, report))
             sys.stdout.flush()
         except BrokenPipeError:
-            discard_output()
+            discard(sys.stdout)
     return 0
 
 

@@ -62,6 +62,6 @@ def listening(console: "LastingConsole") -> Iterator[Listener]:
         if line := narrator.line(entry):
             console.print(line)
         if console.gone:
-            raise OSError("standard output was closed")  # which the journal notes
+            raise OSError("whoever read the output has gone")  # which the journal notes
 
     yield listen

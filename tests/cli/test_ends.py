@@ -212,6 +212,18 @@ def test_an_answer_is_for_what_was_asked(folder: Path, capsys: pytest.CaptureFix
         Settling("not-done", broken_off)
 
 
+@pytest.mark.slow
+def test_the_result_is_told_although_nobody_reads_the_rest(folder: Path) -> None:
+    with begun(cell_file(folder), "--objects", "2", "--json") as run:
+        assert run.stderr is not None
+        run.stderr.readline()
+        run.stderr.close()
+        assert run.stdout is not None
+        result = json.loads(run.stdout.read())
+    assert run.returncode == 0
+    assert len(result["decisions"]) == 2
+
+
 def test_a_pressed_emergency_stop_is_told_apart(
     folder: Path, peer: ModbusPeer, capsys: pytest.CaptureFixture[str]
 ) -> None:
