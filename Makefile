@@ -32,7 +32,9 @@ check: .venv/checked-rust .venv/extension-any venv  ## after an edit: linters, t
 	$(bin)/python -m mypy
 	$(pytest) -n $(or $(WORKERS),2) -m "not process and not slow and not soak"
 
-test: test-rust lint-rust test-python lint-python types  ## every test and check
+# Two at a time: some wait for one core, others for servers.
+test:  ## every test and check
+	$(MAKE) -j2 test-rust lint-rust test-python lint-python types
 
 test-rust: venv  ## cargo test
 	cargo test

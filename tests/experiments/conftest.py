@@ -1,11 +1,18 @@
 """A cell that is trained once, on little, and one tiny reproduction on it."""
 
+import json
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from beltsort.cell.simulated import CellConfig
-from beltsort.experiments.paper import Reproduction, reproduce
+from beltsort.cli import main
+from beltsort.experiments import paper
+from beltsort.experiments.paper import Reproduction
 from beltsort.tables import collect_counts, collect_training
 from beltsort.tables.prepare import Prepared
 
@@ -24,7 +31,33 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("reproduction")
 
 
+@dataclass(frozen=True)
+class Commanded:
+    """What `beltsort reproduce --json` made, and what it printed."""
+
+    made: Reproduction
+    printed: dict[str, Any]
+
+
 @pytest.fixture(scope="session")
-def reproduction(prepared: Prepared, folder: Path) -> Reproduction:
-    """Made by one process, without interruption."""
-    return reproduce(prepared, folder, TINY, seed=SEED, workers=1, command="a test")
+def commanded(prepared: Prepared, folder: Path) -> Commanded:
+    """The command, without interruption, in one process."""
+    made: list[Reproduction] = []
+
+    def reproduce(*arguments: Any, **named: Any) -> Reproduction:
+        made.append(paper.reproduction.reproduce(*arguments, **named))
+        return made[-1]
+
+    printed = StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(printed):
+        patch.setattr("beltsort.tables.prepare.prepare", lambda progress: prepared)
+        patch.setattr(paper, "QUICK", TINY)
+        patch.setattr(paper, "reproduce", reproduce)
+        command = ["reproduce", "--quick", "-o", str(folder), "--seed", str(SEED), "--workers", "1", "--json"]
+        assert main(command) == 0
+    return Commanded(made[0], json.loads(printed.getvalue()))
+
+
+@pytest.fixture(scope="session")
+def reproduction(commanded: Commanded) -> Reproduction:
+    return commanded.made

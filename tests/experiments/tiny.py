@@ -10,8 +10,8 @@ from beltsort.experiments.paper import QUICK, Instance, PreparedCell, Results, r
 SEED = 3
 TINY = replace(
     QUICK,
-    r_min=(5.0, 50.0),
-    r_min_scans=(5.0, 50.0),
+    r_min=(1.0, 50.0),
+    r_min_scans=(1.0, 50.0),
     r_min_discounts=(5.0, 50.0),
     r_min_optimum=(5.0, 50.0),
     batches=4,
