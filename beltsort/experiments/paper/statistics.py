@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import t
+from scipy.special import stdtr, stdtrit
 
 from beltsort import ArgumentError
 
@@ -38,7 +38,7 @@ class Estimate:
     @property
     def interval(self) -> tuple[float, float]:
         """The 95 % confidence interval, by Student's distribution."""
-        half = float(t.ppf((1.0 + CONFIDENCE) / 2.0, max(self.n - 1, 1))) * self.standard_error
+        half = float(stdtrit(max(self.n - 1, 1), (1.0 + CONFIDENCE) / 2.0)) * self.standard_error
         return self.value - half, self.value + half
 
     @property
@@ -46,7 +46,7 @@ class Estimate:
         """Probability that chance alone leads at least so far from zero; NaN from a single batch."""
         if self.standard_error == 0.0:
             return 1.0 if self.value == 0.0 else 0.0
-        return float(2.0 * t.sf(abs(self.value) / self.standard_error, max(self.n - 1, 1)))
+        return float(2.0 * stdtr(max(self.n - 1, 1), -abs(self.value) / self.standard_error))
 
 
 def mean(samples: ArrayLike) -> Estimate:
