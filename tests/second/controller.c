@@ -13,6 +13,8 @@
      stuck, overshoot, slip, lose   befall the next command: the belt does not move; moves one place too far and tells
                    it; moves one place too far and says "done", though its sensor tells the place; it acts, but the
                    request is not acknowledged
+     jog           when the next command ends, somebody pushes the belt on by one place
+     fill          every bin is full              empty         none is
 */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -60,7 +62,7 @@ static int released;                 /* whether the gripper has opened in it */
 static uint32_t boot;
 static double encoder;               /* where the controller believes the belt to be */
 static int homed, fault = NOT_HOMED, emergency_stop, sorted = -1;
-static int stuck, overshoot, slip, lose;
+static int stuck, overshoot, slip, lose, jog, full;
 static int commands, trigger_command;
 static double trigger_part, deaf_until;
 
@@ -75,6 +77,8 @@ static int at_place(double belt) { return fabs(belt - nearbyint(belt)) < NEAR; }
 static void end(int phase, int reason) {
     running->phase = phase, running->reason = reason, running->end = now();
     running = NULL;
+    if (jog) world->belt += 1.0, encoder += 1.0;
+    jog = 0;
 }
 
 static void break_off(int reason) {
@@ -154,7 +158,8 @@ static int refusal(int verb, int target) {
     if (verb == ADVANCE) return target < encoder - NEAR ? BACKWARDS : NONE;
     if (target < 0 || target >= BINS) return NO_SUCH_BIN;
     if (!at_place(encoder)) return BETWEEN_OBJECTS;
-    return sorted == place ? ALREADY_SORTED : NONE;
+    if (sorted == place) return ALREADY_SORTED;
+    return full ? BIN_FULL : NONE;
 }
 
 static struct record command(int verb, int target, uint64_t key) {
@@ -273,6 +278,9 @@ static void press_button(const char *line) {
     else if (!strcmp(line, "overshoot")) overshoot = 1;
     else if (!strcmp(line, "slip")) slip = 1;
     else if (!strcmp(line, "lose")) lose = 1;
+    else if (!strcmp(line, "jog")) jog = 1;
+    else if (!strcmp(line, "fill")) full = 1;
+    else if (!strcmp(line, "empty")) full = 0;
     else fprintf(stderr, "controller: no such button: %s\n", line), exit(2);
 }
 

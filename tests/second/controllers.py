@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from beltsort.cell.protocols import NOWHERE
 from beltsort.record import progress_in
 from tests.contract.peers import ServerPeer
 from tests.second.program import JOURNAL, Reference, Second, Site, World, class_of
@@ -27,7 +28,7 @@ SPEED = 8
 PARTS = (0.0, 0.3, 0.59, 0.61, 0.95, 2.0)
 """Of a command's motion: the gripper opens at 0.6, and 2 is behind its end."""
 
-BEFORE = ("stuck", "overshoot", "slip", "lose")
+BEFORE = ("stuck", "overshoot", "slip", "lose", "jog", "fill")
 """Faults that the controller is told before the command that they befall."""
 
 DURING = ("press", "SIGINT", "SIGTERM", "SIGHUP", "kill", "power", "cut", "garbage")
@@ -117,6 +118,9 @@ class SecondSequence(Sequence):
     def release(self) -> None:
         self.controller.say("release")
 
+    def mend(self) -> None:
+        self.controller.say("empty")
+
     def in_bin(self, number: int) -> bool:
         return self.world.bin(number) is not None
 
@@ -137,12 +141,14 @@ class SecondSequence(Sequence):
 class ReferenceSequence(Sequence):
     """A sequence against a reference server. A fault comes some time after the last one."""
 
-    faults = ("stick", "overshoot", "lose", "press", "SIGINT", "SIGTERM", "SIGHUP", "kill")
+    faults = ("stick", "overshoot", "lose", "press", "power", "SIGINT", "SIGTERM", "SIGHUP", "kill")
 
     def __init__(self, peer: ServerPeer, folder: Path, seed: int) -> None:
         super().__init__(folder, seed)
         self.peer = peer
         peer.start()
+        self.kept: Counter[int] = Counter()  # objects in the bins at power cuts: a server counts from 0
+        self.place: int | None = None  # the object at the belt end since a power cut, until it is homed
 
     @property
     def site(self) -> Site:
@@ -155,27 +161,49 @@ class ReferenceSequence(Sequence):
         return bool(self.coming) and time.monotonic() > self.moment
 
     def befall(self, process: Any) -> None:
-        if self.coming in ("stick", "overshoot", "lose", "press"):
+        if self.coming == "power":
+            self.cut_power()
+        elif self.coming in ("stick", "overshoot", "lose", "press"):
             self.peer.push(self.coming)
             self.pressed |= self.coming == "press"
         else:
             self.hurt(process)
 
+    def cut_power(self) -> None:
+        """Restart the server, whose motion has ended before, as hardware does it."""
+        left = self.peer.push("press")
+        self.kept.update(dict(enumerate(left["bins"])))
+        if self.place is None:  # a belt between two objects will be brought to the next one
+            between = left["position"] == NOWHERE
+            self.place = progress_in(self.folder / JOURNAL).index + 1 if between else int(left["position"])
+        self.peer.kill()
+        self.peer.restart()
+        self.pressed = False
+        self.unasked += 1
+
+    def home(self, index: int) -> None:
+        super().home(index)
+        self.place = None
+
     def release(self) -> None:
         self.peer.push("release")
+
+    def mend(self) -> None:
+        pass
+
+    def in_bins(self) -> Counter[int]:
+        return self.kept + Counter(dict(enumerate(self.peer.push("look")["bins"])))
 
     def in_bin(self, number: int) -> bool:
         progress = progress_in(self.folder / JOURNAL)
         before = len(progress.decisions) - (progress.bin is not None)
-        return bool(sum(self.peer.push("look")["bins"]) > before)
+        return self.in_bins().total() > before
 
     def at_the_end(self) -> int:
-        return int(self.peer.push("look")["position"])
+        return int(self.peer.push("look")["position"]) if self.place is None else self.place
 
     def check(self, decided: dict[int, int | None], passed: Sequence_[int]) -> None:
-        counts = Counter(class_of(number) for number in decided)
-        bins = self.peer.push("look")["bins"]
-        assert bins == [counts[label] for label in range(len(bins))]
+        assert self.in_bins() == Counter(class_of(number) for number in decided)
 
     def end(self) -> None:
         self.peer.close()

@@ -89,6 +89,10 @@ class Sequence(ABC):
         """Release the emergency stop."""
 
     @abstractmethod
+    def mend(self) -> None:
+        """Do what a hold without a question asks: empty the bins."""
+
+    @abstractmethod
     def in_bin(self, number: int) -> bool:
         """Tell whether an object lies in a bin."""
 
@@ -194,6 +198,8 @@ class Sequence(ABC):
         assert self.needed(hold), f"a person was asked needlessly: {hold}"
         if way.home is not None:
             self.home(self.at_the_end() if way.home == NUMBER else int(way.home))
+        elif way.answer is None:
+            self.mend()
         return way.answer
 
     def is_true(self, way: Way, hold: Hold) -> bool:
