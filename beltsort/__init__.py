@@ -26,8 +26,8 @@ from beltsort._core import (
     evaluate,
     solve,
 )
-from beltsort.comparison import Comparison, compare
-from beltsort.policy import Policy
+from beltsort.planning.comparison import Comparison, compare
+from beltsort.planning.policy import Policy
 
 __all__ = [
     "ArgumentError",

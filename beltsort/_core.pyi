@@ -5,8 +5,8 @@ from typing import Any, Final, Literal, TypeAlias, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beltsort.plan_tree import TreeNode
-from beltsort.policy import Policy
+from beltsort.planning.plan_tree import TreeNode
+from beltsort.planning.policy import Policy
 
 __all__ = [
     "BUILD_PROFILE",

@@ -5,7 +5,7 @@ from typing import Any
 from beltsort._core import Decide, Despot, Move, PolicyError
 from beltsort.cell import Cell
 from beltsort.commander import Commander
-from beltsort.policy import Policy
+from beltsort.planning.policy import Policy
 from beltsort.record import Record
 from beltsort.rules import Rules
 

@@ -9,7 +9,7 @@ Holding from Starting, Suspended and others.
 from enum import StrEnum
 
 from beltsort.errors import CellError
-from beltsort.naming import nearest_of
+from beltsort.util.naming import nearest_of
 
 
 class State(StrEnum):

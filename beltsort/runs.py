@@ -12,7 +12,7 @@ from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.errors import JournalError
 from beltsort.holds import Operator, nobody
 from beltsort.journal import Journal, Listener
-from beltsort.policy import Policy
+from beltsort.planning.policy import Policy
 from beltsort.report import Decision, SortingReport
 from beltsort.rules import Drift, Rules
 from beltsort.sorter import Check, Perceive, nothing, sort_objects

@@ -16,7 +16,7 @@ from beltsort.holds import HeldError, Hold, Operator, nobody
 from beltsort.journal import Journal
 from beltsort.observing import Observer, Perceive, PerceivedPosition
 from beltsort.packml import State
-from beltsort.policy import Policy
+from beltsort.planning.policy import Policy
 from beltsort.progress import Owed, Progress
 from beltsort.record import Record, progress_in
 from beltsort.report import SortingReport

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from beltsort.machine import peak_memory, processor_name, processors
+from beltsort.util.machine import peak_memory, processor_name, processors
 
 
 def test_processor_name(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ from beltsort.tables.prepare import (
     prepare,
     read_scans,
 )
-from beltsort.tables.processes import Progress
+from beltsort.util.processes import Progress
 from beltsort.tables.scans import looks
 
 pytestmark = pytest.mark.process

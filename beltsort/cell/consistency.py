@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from beltsort.cell.problems import Problem
-from beltsort.naming import nearest_of
+from beltsort.util.naming import nearest_of
 
 if TYPE_CHECKING:
     from beltsort.cell.description import CellDescription

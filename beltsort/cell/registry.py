@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from beltsort.cell.problems import CellFileError
 from beltsort.cell.validation import validated
-from beltsort.naming import nearest_of
+from beltsort.util.naming import nearest_of
 
 if TYPE_CHECKING:
     from beltsort.cell.description import CellDescription

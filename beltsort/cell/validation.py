@@ -21,7 +21,7 @@ from pydantic_core import ErrorDetails
 
 from beltsort import BeltsortError
 from beltsort.cell.problems import CellFileError, Problem
-from beltsort.naming import nearest_of
+from beltsort.util.naming import nearest_of
 
 Settings = TypeVar("Settings")
 

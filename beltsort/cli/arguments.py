@@ -6,8 +6,8 @@ from inspect import signature
 from typing import Any, TypeAlias
 
 from beltsort import ArgumentError, Solution, SortingModel
-from beltsort.named_policy import DEFAULT_TRIALS
-from beltsort.naming import index_of, nearest_of
+from beltsort.planning.named_policy import DEFAULT_TRIALS
+from beltsort.util.naming import index_of, nearest_of
 
 Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
 

@@ -10,10 +10,10 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table
 from beltsort.cli.progress import tenths
 from beltsort.cli.solve import check_writable
-from beltsort.text import numbers_or_none
+from beltsort.util.text import numbers_or_none
 
 if TYPE_CHECKING:
-    from beltsort.comparison import Difference
+    from beltsort.planning.comparison import Difference
     from beltsort.experiments.calibration_check import Arm
     from beltsort.experiments.causes import Causes
     from beltsort.perception import NearestNeighbour

@@ -14,7 +14,7 @@ from beltsort.geometry import Points
 from beltsort.perception.classifier import Match
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.training import read_candidate
-from beltsort.text import number_or_none
+from beltsort.util.text import number_or_none
 
 DISTANCES = ("distance", "runner_up_distance")
 

@@ -6,7 +6,7 @@ from beltsort import ArgumentError
 from beltsort import compare as simulate
 from beltsort.cli.arguments import Subparsers, add_json, add_model, add_simulation, load_model, simulation_of
 from beltsort.cli.output import print_json
-from beltsort.named_policy import HELP, named_policy
+from beltsort.planning.named_policy import HELP, named_policy
 
 
 def add_parser(subparsers: Subparsers) -> None:

@@ -15,7 +15,7 @@ from beltsort.cli.arguments import (
     simulation_of,
 )
 from beltsort.cli.output import print_json, print_table
-from beltsort.text import numbers_or_none
+from beltsort.util.text import numbers_or_none
 
 OPTIONS_OF = {
     "despot": {"trials", "seconds"},

@@ -8,7 +8,7 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.narrate import Narrator
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
-from beltsort.explanation import action_in_words, explain, tree_in_names
+from beltsort.planning.explanation import action_in_words, explain, tree_in_names
 from beltsort.journal import Entry
 
 

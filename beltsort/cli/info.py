@@ -9,7 +9,7 @@ from beltsort import __version__
 from beltsort._core import BUILD_PROFILE
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table
-from beltsort.machine import processors
+from beltsort.util.machine import processors
 
 PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "pydantic", "rich")
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from beltsort import Decide, Move, SortingModel
-from beltsort.text import text_table
+from beltsort.util.text import text_table
 
 
 def print_json(result: Mapping[str, Any]) -> None:

@@ -13,8 +13,8 @@ from beltsort.cli.arguments import (
     load_model,
 )
 from beltsort.cli.output import action_as_json, print_json, print_table
-from beltsort.explanation import action_in_words, explain, tree_in_names
-from beltsort.naming import index_of
+from beltsort.planning.explanation import action_in_words, explain, tree_in_names
+from beltsort.util.naming import index_of
 
 NOTHING_SEEN = "-"
 

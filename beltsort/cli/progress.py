@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from beltsort.cli.output import tell
 
 if TYPE_CHECKING:
-    from beltsort.tables.processes import Progress
+    from beltsort.util.processes import Progress
 
 
 def tenths(what: str) -> "Progress":

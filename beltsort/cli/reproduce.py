@@ -45,7 +45,7 @@ def run(arguments: Namespace) -> int:
     from beltsort.experiments.paper import FULL, QUICK, reproduce
     from beltsort.runs import make_folder
     from beltsort.tables.prepare import prepare
-    from beltsort.tables.processes import at_least_one
+    from beltsort.util.processes import at_least_one
 
     # Whatever can be refused is refused before minutes are spent.
     check_seed(arguments.seed)

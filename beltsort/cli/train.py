@@ -15,7 +15,7 @@ from beltsort.perception.distances import DISTANCES
 from beltsort.perception.leave_one_out import PERCENTILE, leave_one_out, rejection_threshold, with_rejection
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.training import Trained, train_from_clouds
-from beltsort.text import numbers_or_none
+from beltsort.util.text import numbers_or_none
 
 AUTOMATIC = "auto"
 OBJECTS, SEED = 40, 0

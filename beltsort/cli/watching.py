@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from beltsort.cli.console import LastingConsole
     from beltsort.tables.prepare import StageProgress
-    from beltsort.tables.processes import Progress
+    from beltsort.util.processes import Progress
 
 
 @contextmanager

@@ -9,7 +9,7 @@ import numpy as np
 
 from beltsort import ArgumentError, Belief, Despot, SortingModel
 from beltsort._core import BUILD_PROFILE
-from beltsort.machine import peak_memory, processor_name, processors
+from beltsort.util.machine import peak_memory, processor_name, processors
 
 T = TypeVar("T")
 

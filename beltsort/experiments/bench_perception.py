@@ -13,7 +13,7 @@ from beltsort.experiments.perception_stages import own_stages, plain_stages
 from beltsort.experiments.plain_vfh import plain_vfh
 from beltsort.experiments.stopwatch import Stopwatch
 from beltsort.geometry import Points
-from beltsort.machine import processor_name, processors
+from beltsort.util.machine import processor_name, processors
 from beltsort.perception import PerceptionConfig, vfh
 
 TRUE_LABELS = (3, 0, 1)

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beltsort import ArgumentError
-from beltsort.text import number_or_none
+from beltsort.util.text import number_or_none
 
 Array = NDArray[np.float64]
 

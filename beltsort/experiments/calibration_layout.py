@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from beltsort.comparison import Difference
+from beltsort.planning.comparison import Difference
 from beltsort.experiments.calibration import Reliability
 from beltsort.experiments.calibration_check import Arm
 from beltsort.experiments.causes import Causes

@@ -11,8 +11,8 @@ from beltsort.experiments.imagined_runs import imagine
 from beltsort.experiments.portraits import collect_portraits
 from beltsort.experiments.sorted_runs import decision_pairs
 from beltsort.perception import NearestNeighbour
-from beltsort.tables.processes import Progress
-from beltsort.text import numbers_or_none
+from beltsort.util.processes import Progress
+from beltsort.util.text import numbers_or_none
 
 AS_MODELLED, UNCERTAIN = "labels as modelled", "tables as uncertain as they are"
 

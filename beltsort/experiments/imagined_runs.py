@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort import Belief, Decide, Despot, ModelError, SortingModel
-from beltsort.cell.simulated.randomness import checked_seed, generator
+from beltsort.util.randomness import checked_seed, generator
 from beltsort.experiments.sorted_runs import RUN_LENGTH, TRIALS, SortedRun, runs_of
-from beltsort.policy import Policy
+from beltsort.planning.policy import Policy
 from beltsort.rules import Rules
-from beltsort.tables.processes import Progress, in_processes
+from beltsort.util.processes import Progress, in_processes
 
 IMAGINED_STREAM = 4  # of random numbers: see `beltsort.experiments.sorted_runs`
 

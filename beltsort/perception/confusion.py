@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.perception.classifier import Match
-from beltsort.text import text_table
+from beltsort.util.text import text_table
 
 
 @dataclass(frozen=True, eq=False)

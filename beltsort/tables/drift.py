@@ -35,7 +35,7 @@ import numpy as np
 import beltsort
 from beltsort.rules import Drift
 from beltsort.tables.counts import Array
-from beltsort.text import number_or_none
+from beltsort.util.text import number_or_none
 
 NOISE = 0.2  # lambda; from 0.1 to 0.5 the delays differ little
 MEMORY = 0.98  # what shares of labels keep of their weight from look to look

@@ -15,7 +15,7 @@ from beltsort.tables.intervals import (
     worst_row,
 )
 from beltsort.tables.scans import LabelledScan, looks
-from beltsort.text import number_or_none
+from beltsort.util.text import number_or_none
 
 SIGNIFICANT = 0.05  # after Holm's correction
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias, TypeVar
 
 from beltsort.errors import RecordingError
-from beltsort.keyed_log import KeyedLog
-from beltsort.tables.processes import Progress, in_processes
+from beltsort.util.keyed_log import KeyedLog
+from beltsort.util.processes import Progress, in_processes
 
 Labels: TypeAlias = dict[str, tuple[int | None, ...]]
 """Labels of each position, by the scan's key."""

@@ -10,7 +10,7 @@ from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.perception.folders import Skipped, class_folder, expect_two_classes, training_files
 from beltsort.perception.training import Trained
 from beltsort.tables.collect import collect_training
-from beltsort.tables.processes import Progress
+from beltsort.util.processes import Progress
 
 UNSEEN = "no scan shows enough of it above the rim of its cup: give a larger mesh, in metres"
 

@@ -22,7 +22,7 @@ from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.tables.collect import collect_scans, collect_training
 from beltsort.tables.counts import Counts, count
-from beltsort.tables.processes import Progress, at_least_one
+from beltsort.util.processes import Progress, at_least_one
 from beltsort.tables.scans import LabelledScan, looks
 
 PIPELINE = 1

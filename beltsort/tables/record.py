@@ -14,7 +14,7 @@ from beltsort.cell.simulated import CellConfig
 from beltsort.errors import RecordingError
 from beltsort.geometry import Points
 from beltsort.tables.collect import SCANS
-from beltsort.tables.processes import Progress, in_processes
+from beltsort.util.processes import Progress, in_processes
 from beltsort.tables.recording import (
     HEADER,
     MANIFEST,

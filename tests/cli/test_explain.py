@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 import beltsort
-from beltsort import explanation
-from beltsort.explanation import explain
+from beltsort.planning import explanation
+from beltsort.planning.explanation import explain
 
 from .running import PAPER, command, json_of, output
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort import Belief, Decide, Despot, Move, SortingModel
-from beltsort.plan_tree import TreeNode
+from beltsort.planning.plan_tree import TreeNode
 from tests.laws import cases
 
 from .models import random_belief, random_model

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from beltsort.plan_tree import TreeNode
+from beltsort.planning.plan_tree import TreeNode
 
 
 def nodes(node: TreeNode) -> Iterator[TreeNode]:

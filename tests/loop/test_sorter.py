@@ -12,7 +12,7 @@ from beltsort import Belief, Decide, Move
 from beltsort.errors import CellError
 from beltsort.holds import HeldError
 from beltsort.journal import Entry, Journal, read_journal
-from beltsort.policy import Policy
+from beltsort.planning.policy import Policy
 from beltsort.report import SortingReport
 from beltsort.rules import Rules
 from beltsort.sorter import sort_objects

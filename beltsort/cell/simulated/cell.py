@@ -10,7 +10,7 @@ from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
 from beltsort.cell.simulated.config import CellConfig
 from beltsort.cell.simulated.noise import noisy_depth
-from beltsort.cell.simulated.randomness import generator
+from beltsort.util.randomness import generator
 from beltsort.cell.simulated.world import World
 from beltsort.errors import CellError
 from beltsort.geometry import BeltLayout, Points, Pose

@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 from beltsort.experiments.paper.statistics import Estimate
-from beltsort.text import number_or_none
+from beltsort.util.text import number_or_none
 
 FEWEST = 10
 """Batches below which nothing is said: outcomes are whole numbers, and few of them may agree by chance."""

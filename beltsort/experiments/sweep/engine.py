@@ -11,7 +11,7 @@ import beltsort
 from beltsort.errors import SweepError
 from beltsort.experiments.sweep.attempt import Attempt, Point, Row, Task, attempt
 from beltsort.experiments.sweep.store import RowStore, digest
-from beltsort.tables.processes import Progress, as_they_finish
+from beltsort.util.processes import Progress, as_they_finish
 
 Points: TypeAlias = Sequence[Point]
 Trial: TypeAlias = Callable[[Point], Attempt]

@@ -14,8 +14,8 @@ from beltsort.cell.simulated import CellConfig
 from beltsort.errors import SweepError
 from beltsort.experiments.sweep.grid import inputs_of, seeds_of
 from beltsort.experiments.sweep.parameters import nested, section_of
-from beltsort.named_policy import named_policy
-from beltsort.naming import index_of
+from beltsort.planning.named_policy import named_policy
+from beltsort.util.naming import index_of
 from beltsort.tables.prepare import Prepared, Recipe, StageProgress, prepare
 
 Point = Mapping[str, Any]

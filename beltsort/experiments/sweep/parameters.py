@@ -8,7 +8,7 @@ from typing import Any
 from beltsort import SortingModel
 from beltsort.cell.simulated import CellConfig
 from beltsort.errors import SweepError
-from beltsort.naming import nearest_of
+from beltsort.util.naming import nearest_of
 
 NOT_VARIED = {"classes", "viewpoints", "p_obs", "counts", "smoothing", "note"}
 DESPOT = ("planner.scenarios", "planner.regularization", "planner.depth")

@@ -22,7 +22,7 @@ from beltsort.experiments.sweep.levels import (
 )
 from beltsort.experiments.sweep.parquet import load_pyarrow, write_rows
 from beltsort.tables.prepare import StageProgress
-from beltsort.tables.processes import Progress
+from beltsort.util.processes import Progress
 
 FILE = "rows.parquet"
 TASKS: dict[str, Task] = {"tables": table_point, "scans": scan_point}

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from beltsort.errors import SweepError
-from beltsort.keyed_log import KeyedLog
+from beltsort.util.keyed_log import KeyedLog
 
 FILE = "rows.sqlite"
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from beltsort import Decide, Move, Plan, SortingModel
-from beltsort.plan_tree import NamedAction, TreeAction, TreeBranch, TreeNode
+from beltsort.planning.plan_tree import NamedAction, TreeAction, TreeBranch, TreeNode
 
 OUTCOMES = 4  # of an action that are told one by one
 NEGLIGIBLE = 0.005  # probability that is not worth a line

@@ -12,7 +12,7 @@ from threading import Thread
 from typing import TypeVar
 
 import beltsort
-from beltsort.machine import processors
+from beltsort.util.machine import processors
 
 Progress = Callable[[int, int], None]
 Work = TypeVar("Work")

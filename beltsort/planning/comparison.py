@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beltsort._core import ArgumentError, Evaluation, Solution, SortingModel, evaluate
-from beltsort.policy import Policy
-from beltsort.text import numbers_or_none, text_table
+from beltsort.planning.policy import Policy
+from beltsort.util.text import numbers_or_none, text_table
 
 
 @dataclass(frozen=True)

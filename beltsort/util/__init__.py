@@ -1,0 +1,1 @@
+"""Small things that any other part may use."""
