@@ -14,15 +14,15 @@ from beltsort.cell.problems import CellFileError
 from beltsort.cell.protocols import NOWHERE, Homing, Restorable, TellsPosition
 from beltsort.cell.simulated.backend import trainable_config
 from beltsort.errors import CellError
-from beltsort.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
-from beltsort.journal import Journal, Listener
-from beltsort.locks import devices_locked, locked
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig
-from beltsort.progress import Progress
-from beltsort.record import progress_in
-from beltsort.report import SortingReport
-from beltsort.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
-from beltsort.sorter import Check, nothing, resume_sorting
+from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
+from beltsort.sorting.journal import Journal, Listener
+from beltsort.sorting.locks import devices_locked, locked
+from beltsort.sorting.loop import Check, nothing, resume_sorting
+from beltsort.sorting.progress import Progress
+from beltsort.sorting.record import progress_in
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
 from beltsort.tables.prepare import Recipe, StageProgress, prepare
 
 DRY_RUN = "-dry-run"
@@ -71,7 +71,7 @@ class CellRun:
         """Sort the objects, or those that are left, journalling every step.
 
         Whatever ends the run early stops all devices; `operator` and `check` are as in
-        `beltsort.sorter.sort_objects`.
+        `beltsort.sorting.loop.sort_objects`.
 
         Raises
         ------
@@ -80,7 +80,7 @@ class CellRun:
         HeldError
             If nobody has told the belt of a new run where it stands.
         BeltsortError
-            As `beltsort.sorter.sort_objects`.
+            As `beltsort.sorting.loop.sort_objects`.
         """
         make_folder(self.folder)
         with locked(f"the run {self.folder}", self.folder / LOCK), devices_locked(self.devices):

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from beltsort.journal import Journal
 from beltsort.models import paper
-from beltsort.report import SortingReport
-from beltsort.sorter import sort_objects
+from beltsort.sorting.journal import Journal
+from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.report import SortingReport
 from tests.loop.scripted_cell import ScriptedCell, scripted
 from tests.loop.test_sorter import LookOnceEach
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from beltsort.experiments.belief_figure import belief_over_time
-from beltsort.journal import read_journal
+from beltsort.sorting.belief_figure import belief_over_time
+from beltsort.sorting.journal import read_journal
 
 pytestmark = pytest.mark.process
 

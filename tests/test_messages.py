@@ -29,8 +29,8 @@ from beltsort.errors import (
     ViewpointError,
 )
 from beltsort.experiments.sweep.run import Sweep
-from beltsort.journal import Journal, read_journal
 from beltsort.perception import NearestNeighbour, read_cloud
+from beltsort.sorting.journal import Journal, read_journal
 from beltsort.tables.log import LabelLog
 from beltsort.tables.recording import read_recording
 from beltsort.viewpoints import ViewpointMap, map_viewpoints

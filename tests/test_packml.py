@@ -4,9 +4,9 @@ import doctest
 
 import pytest
 
-from beltsort import packml
 from beltsort.errors import CellError
-from beltsort.packml import TRANSITIONS, Command, State, after
+from beltsort.sorting import packml
+from beltsort.sorting.packml import TRANSITIONS, Command, State, after
 
 ACTING = {state for state in State if state.endswith("ing")} | {State.EXECUTE}
 

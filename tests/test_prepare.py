@@ -29,8 +29,8 @@ from beltsort.tables.prepare import (
     prepare,
     read_scans,
 )
-from beltsort.util.processes import Progress
 from beltsort.tables.scans import looks
+from beltsort.util.processes import Progress
 
 pytestmark = pytest.mark.process
 

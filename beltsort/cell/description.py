@@ -28,7 +28,7 @@ from beltsort.cell.validation import OWN_CHECKS, Section, validated
 from beltsort.errors import ViewpointError
 from beltsort.geometry import BeltLayout
 from beltsort.perception.config import PerceptionConfig
-from beltsort.rules import Drift, Rules
+from beltsort.sorting.rules import Drift, Rules
 
 VERSION = 1
 

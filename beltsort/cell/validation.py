@@ -63,7 +63,7 @@ def validated(kind: type[Settings], given: Mapping[str, object]) -> Settings:
 
     Examples
     --------
-    >>> from beltsort.rules import Rules
+    >>> from beltsort.sorting.rules import Rules
     >>> validated(Rules, {"max_looks": 20}).max_looks
     20
     >>> validated(Rules, {"max_looks": "20"})

@@ -38,8 +38,8 @@ from beltsort.cli import (
     viewpoints,
 )
 from beltsort.errors import JournalNotWrittenError
-from beltsort.interrupts import Interrupted
-from beltsort.locks import InUseError
+from beltsort.sorting.interrupts import Interrupted
+from beltsort.sorting.locks import InUseError
 
 COMMANDS = (
     demo,

@@ -13,10 +13,10 @@ from beltsort.cli.solve import check_writable
 from beltsort.util.text import numbers_or_none
 
 if TYPE_CHECKING:
-    from beltsort.planning.comparison import Difference
     from beltsort.experiments.calibration_check import Arm
     from beltsort.experiments.causes import Causes
     from beltsort.perception import NearestNeighbour
+    from beltsort.planning.comparison import Difference
 
 OBJECTS = 300
 TOO_MUCH = 0.03

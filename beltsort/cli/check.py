@@ -35,7 +35,7 @@ def run(arguments: Namespace) -> int:
     from beltsort.cell.check import check_cell
     from beltsort.cell.composed import compose
     from beltsort.cell.description import CellDescription
-    from beltsort.locks import devices_locked
+    from beltsort.sorting.locks import devices_locked
 
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     description = CellDescription.load(arguments.cell)

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from beltsort.cli.console import LastingConsole
     from beltsort.experiments.demo import as_json, check_seed, run_demo
-    from beltsort.runs import make_folder, run_name
+    from beltsort.sorting.runs import make_folder, run_name
     from beltsort.tables.prepare import prepare
 
     console = LastingConsole(stderr=arguments.json, highlight=False, soft_wrap=True)

@@ -3,13 +3,13 @@
 from argparse import Namespace
 from collections.abc import Sequence
 
-from beltsort.audit import Step, befell, entries_of, step_of
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.narrate import Narrator
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
 from beltsort.planning.explanation import action_in_words, explain, tree_in_names
-from beltsort.journal import Entry
+from beltsort.sorting.audit import Step, befell, entries_of, step_of
+from beltsort.sorting.journal import Entry
 
 
 def add_parser(subparsers: Subparsers) -> None:

@@ -29,7 +29,7 @@ def run(arguments: Namespace) -> int:
     from beltsort.cell.composed import compose
     from beltsort.cell.description import CellDescription
     from beltsort.cell_run import home
-    from beltsort.locks import devices_locked
+    from beltsort.sorting.locks import devices_locked
 
     if arguments.object < 0:
         raise ArgumentError(f"OBJECT is {arguments.object}, expected a number from 0 on")

@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from beltsort.cli.narrate import Narrator
-from beltsort.journal import Entry
+from beltsort.sorting.journal import Entry
 
 BAR = 20  # characters of a certain belief
 RECENT = 8  # lines of history shown

@@ -3,8 +3,8 @@
 from typing import Any
 
 from beltsort import SortingModel
-from beltsort.journal import Entry
 from beltsort.perception import Finding
+from beltsort.sorting.journal import Entry
 
 
 class Narrator:

@@ -43,7 +43,7 @@ def run(arguments: Namespace) -> int:
     """Run, write and print the findings."""
     from beltsort.experiments.demo import check_seed
     from beltsort.experiments.paper import FULL, QUICK, reproduce
-    from beltsort.runs import make_folder
+    from beltsort.sorting.runs import make_folder
     from beltsort.tables.prepare import prepare
     from beltsort.util.processes import at_least_one
 

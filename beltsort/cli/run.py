@@ -13,17 +13,17 @@ from beltsort.cli.cells import add_cell, tell_pretence
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
 from beltsort.cli.output import print_json, tell
 from beltsort.cli.watching import listening, stages
-from beltsort.holds import Answer, HeldError, Hold
-from beltsort.interrupts import Interrupts
-from beltsort.runs import JOURNAL
+from beltsort.sorting.holds import Answer, HeldError, Hold
+from beltsort.sorting.interrupts import Interrupts
+from beltsort.sorting.runs import JOURNAL
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from beltsort.cell.description import CellDescription
     from beltsort.cell_run import CellRun
-    from beltsort.progress import Progress
-    from beltsort.report import SortingReport
+    from beltsort.sorting.progress import Progress
+    from beltsort.sorting.report import SortingReport
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -60,7 +60,7 @@ def run(arguments: Namespace) -> int:
     """Run the command."""
     from beltsort.cell_run import as_json, open_run
     from beltsort.cli.console import LastingConsole, discard
-    from beltsort.runs import make_folder
+    from beltsort.sorting.runs import make_folder
 
     console = LastingConsole(stderr=arguments.json, highlight=False, soft_wrap=True)
     description = described(arguments)

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from beltsort.audit import entries_of, write_csv
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.narrate import Narrator
 from beltsort.cli.output import print_json, tell
-from beltsort.journal import Entry
-from beltsort.progress import Progress
+from beltsort.sorting.audit import entries_of, write_csv
+from beltsort.sorting.journal import Entry
+from beltsort.sorting.progress import Progress
 
 
 def add_parser(subparsers: Subparsers) -> None:

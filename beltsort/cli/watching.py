@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from beltsort.journal import Entry, Listener
+from beltsort.sorting.journal import Entry, Listener
 
 if TYPE_CHECKING:
     from rich.console import Console

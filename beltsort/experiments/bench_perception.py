@@ -13,8 +13,8 @@ from beltsort.experiments.perception_stages import own_stages, plain_stages
 from beltsort.experiments.plain_vfh import plain_vfh
 from beltsort.experiments.stopwatch import Stopwatch
 from beltsort.geometry import Points
-from beltsort.util.machine import processor_name, processors
 from beltsort.perception import PerceptionConfig, vfh
+from beltsort.util.machine import processor_name, processors
 
 TRUE_LABELS = (3, 0, 1)
 DESCRIPTOR_POINTS = 2000

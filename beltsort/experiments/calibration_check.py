@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beltsort.planning.comparison import Difference
 from beltsort.experiments.calibration import Reliability, reliability
 from beltsort.experiments.sorted_runs import RUN_LENGTH, SortedRun, decision_pairs, step_pairs
+from beltsort.planning.comparison import Difference
 from beltsort.util.text import numbers_or_none
 
 Array = NDArray[np.float64]

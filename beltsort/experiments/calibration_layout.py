@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
-from beltsort.planning.comparison import Difference
 from beltsort.experiments.calibration import Reliability
 from beltsort.experiments.calibration_check import Arm
 from beltsort.experiments.causes import Causes
+from beltsort.planning.comparison import Difference
 
 Rows = list[list[str]]
 

@@ -10,11 +10,11 @@ import numpy as np
 
 import beltsort
 from beltsort.cell.simulated import CellConfig, SimulatedCell
-from beltsort.experiments.belief_figure import draw_belief
-from beltsort.journal import Listener, read_journal
 from beltsort.perception import Perception
-from beltsort.report import SortingReport
-from beltsort.runs import JOURNAL, plain_decision, sort_into
+from beltsort.sorting.belief_figure import draw_belief
+from beltsort.sorting.journal import Listener, read_journal
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.runs import JOURNAL, plain_decision, sort_into
 from beltsort.tables.prepare import Prepared
 
 OBJECTS = 10

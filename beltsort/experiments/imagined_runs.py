@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort import Belief, Decide, Despot, ModelError, SortingModel
-from beltsort.util.randomness import checked_seed, generator
 from beltsort.experiments.sorted_runs import RUN_LENGTH, TRIALS, SortedRun, runs_of
 from beltsort.planning.policy import Policy
-from beltsort.rules import Rules
+from beltsort.sorting.rules import Rules
 from beltsort.util.processes import Progress, in_processes
+from beltsort.util.randomness import checked_seed, generator
 
 IMAGINED_STREAM = 4  # of random numbers: see `beltsort.experiments.sorted_runs`
 
@@ -94,7 +94,7 @@ class _Labels:
 
 
 class _Run:
-    """The loop of `beltsort.sorter`, without cell and journal."""
+    """The loop of `beltsort.sorting.loop`, without cell and journal."""
 
     def __init__(self, model: SortingModel, labels: _Labels, rng: np.random.Generator) -> None:
         self._model, self._labels, self._belief = model, labels, Belief(model)

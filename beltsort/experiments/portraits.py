@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.cell.simulated import CellConfig
-from beltsort.util.randomness import checked_seed, generator
 from beltsort.perception import NearestNeighbour, Perception
 from beltsort.tables.collect import SCANS
 from beltsort.util.processes import Progress, at_least_one, in_processes
+from beltsort.util.randomness import checked_seed, generator
 
 PORTRAIT_STREAM = 3  # neither trained on, nor counted, nor sorted: see `beltsort.tables.rounds`
 NO_LABEL = -1

@@ -16,14 +16,14 @@ import numpy as np
 
 from beltsort import ArgumentError, Despot, SortingModel
 from beltsort.cell.simulated import CellConfig
-from beltsort.util.randomness import checked_seed, generator
 from beltsort.experiments.calibration import Pairs
-from beltsort.journal import Entry, Journal, read_journal
 from beltsort.perception import NearestNeighbour, Perception
-from beltsort.progress import Progress
-from beltsort.sorter import sort_objects
+from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.progress import Progress
 from beltsort.util import processes
 from beltsort.util.processes import at_least_one, in_processes
+from beltsort.util.randomness import checked_seed, generator
 
 RUN_LENGTH = 10  # objects, as in the paper
 TRIALS = 300

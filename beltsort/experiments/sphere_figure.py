@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beltsort.experiments.belief_figure import COLOURS
 from beltsort.geometry import Points
+from beltsort.sorting.belief_figure import COLOURS
 from beltsort.viewpoints import ViewpointMap
 
 REACHABLE, CHOSEN = COLOURS[0], COLOURS[1]

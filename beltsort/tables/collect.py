@@ -7,9 +7,9 @@ from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig, 
 from beltsort.perception.vfh import Histogram
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.log import LabelLog, Labels, label_missing
-from beltsort.util.processes import Progress, in_processes
 from beltsort.tables.rounds import TABLE_STREAM, TRAINING_STREAM, Round, rounds_of
 from beltsort.tables.scans import LabelledScan, looks
+from beltsort.util.processes import Progress, in_processes
 
 SCANS = 2  # of every scene that is counted
 

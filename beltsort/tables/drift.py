@@ -33,7 +33,7 @@ from typing import Any, Self
 import numpy as np
 
 import beltsort
-from beltsort.rules import Drift
+from beltsort.sorting.rules import Drift
 from beltsort.tables.counts import Array
 from beltsort.util.text import number_or_none
 

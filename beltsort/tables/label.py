@@ -9,9 +9,9 @@ from beltsort.errors import CloudError, DatabaseError, RecordingError
 from beltsort.geometry import BeltLayout
 from beltsort.perception import NearestNeighbour, Perception, read_cloud
 from beltsort.tables.log import LabelLog, Labels, label_missing
-from beltsort.util.processes import Progress
 from beltsort.tables.recording import MANIFEST, RecordedScan, Recording
 from beltsort.tables.scans import LabelledScan
+from beltsort.util.processes import Progress
 
 
 def label_recording(

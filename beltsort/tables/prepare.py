@@ -22,8 +22,8 @@ from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.tables.collect import collect_scans, collect_training
 from beltsort.tables.counts import Counts, count
-from beltsort.util.processes import Progress, at_least_one
 from beltsort.tables.scans import LabelledScan, looks
+from beltsort.util.processes import Progress, at_least_one
 
 PIPELINE = 1
 """Version of the code between a configuration and its labels: the simulated cell, perception, training.

@@ -14,7 +14,6 @@ from beltsort.cell.simulated import CellConfig
 from beltsort.errors import RecordingError
 from beltsort.geometry import Points
 from beltsort.tables.collect import SCANS
-from beltsort.util.processes import Progress, in_processes
 from beltsort.tables.recording import (
     HEADER,
     MANIFEST,
@@ -26,6 +25,7 @@ from beltsort.tables.recording import (
     read_recording,
 )
 from beltsort.tables.rounds import TABLE_STREAM, Round, rounds_of
+from beltsort.util.processes import Progress, in_processes
 
 
 class RecordingWriter:

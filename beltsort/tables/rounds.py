@@ -12,8 +12,8 @@ import numpy as np
 
 from beltsort.cell.protocols import Scan
 from beltsort.cell.simulated import CellConfig
-from beltsort.util.randomness import checked_seed, generator
 from beltsort.util.processes import at_least_one
+from beltsort.util.randomness import checked_seed, generator
 
 TRAINING_STREAM, TABLE_STREAM = 0, 1  # no object is both trained on and counted
 

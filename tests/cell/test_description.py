@@ -13,7 +13,7 @@ from beltsort.cell.frames import from_matrix, from_quaternion
 from beltsort.cell.problems import CellFileError
 from beltsort.cell.simulated import CellConfig
 from beltsort.geometry import BeltLayout
-from beltsort.rules import Rules
+from beltsort.sorting.rules import Rules
 from beltsort.viewpoints import map_viewpoints
 from tests.cell.cell_files import EXAMPLE, changed, described
 

@@ -38,11 +38,11 @@ ACME = ('[sorter]\nbackend = "simulated"', '[sorter]\nbackend = "acme"')
 @pytest.fixture
 def acme(monkeypatch: pytest.MonkeyPatch) -> Press:
     """Install a third party's package."""
-    entry = EntryPoint("acme", f"{__name__}:PRESS_BACKEND", "beltsort.sorter")
-    wrong = EntryPoint("wrong", f"{__name__}:PRESS", "beltsort.sorter")
-    absent = EntryPoint("absent", "no_such_package:SORTER", "beltsort.sorter")
-    shadow = EntryPoint("simulated", f"{__name__}:PRESS_BACKEND", "beltsort.sorter")
-    installed = {"beltsort.sorter": [entry, wrong, absent, shadow]}
+    entry = EntryPoint("acme", f"{__name__}:PRESS_BACKEND", "beltsort.sorting.loop")
+    wrong = EntryPoint("wrong", f"{__name__}:PRESS", "beltsort.sorting.loop")
+    absent = EntryPoint("absent", "no_such_package:SORTER", "beltsort.sorting.loop")
+    shadow = EntryPoint("simulated", f"{__name__}:PRESS_BACKEND", "beltsort.sorting.loop")
+    installed = {"beltsort.sorting.loop": [entry, wrong, absent, shadow]}
     monkeypatch.setattr(registry, "entry_points", lambda group: installed.get(group, []))
     PRESS.sorted.clear()
     PRESS.ids.clear()

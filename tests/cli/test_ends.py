@@ -17,13 +17,13 @@ from beltsort.cell import Outcome
 from beltsort.cell.controller import FieldbusDevice
 from beltsort.cli import code_of, exit_codes, main
 from beltsort.cli.run import Settling
-from beltsort.command import Command
 from beltsort.errors import JournalNotWrittenError
-from beltsort.holds import Answer, HeldError, Hold, Way
-from beltsort.journal import read_journal
-from beltsort.locks import InUseError, devices_locked, locked
 from beltsort.models import paper
-from beltsort.progress import Progress
+from beltsort.sorting.command import Command
+from beltsort.sorting.holds import Answer, HeldError, Hold, Way
+from beltsort.sorting.journal import read_journal
+from beltsort.sorting.locks import InUseError, devices_locked, locked
+from beltsort.sorting.progress import Progress
 from tests.cli.cells import cell_file
 from tests.contract.peers import ModbusPeer
 from tests.waiting import wait_until
@@ -122,7 +122,7 @@ def test_a_run_under_way_is_not_resumed(folder: Path, capsys: pytest.CaptureFixt
 
 
 def test_a_lock_ends_with_its_process(tmp_path: Path) -> None:
-    code = "import sys, time; from pathlib import Path; from beltsort.locks import locked\n"
+    code = "import sys, time; from pathlib import Path; from beltsort.sorting.locks import locked\n"
     code += (
         f"with locked('it', Path({str(tmp_path / 'lock')!r})): print('locked', flush=True); time.sleep(99)"
     )

@@ -1,9 +1,9 @@
 """A scan in words: labels, and why there is none."""
 
 from beltsort.cli.narrate import Narrator
-from beltsort.journal import Entry
 from beltsort.models import paper
 from beltsort.perception import Finding
+from beltsort.sorting.journal import Entry
 
 
 def test_a_scan_tells_labels_and_findings() -> None:

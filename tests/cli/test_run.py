@@ -14,9 +14,9 @@ from beltsort.cell.registry import BUILT_IN
 from beltsort.cell.simulated import CellConfig
 from beltsort.cell.simulated.backend import BACKEND
 from beltsort.cli import exit_codes, main
-from beltsort.journal import read_journal
 from beltsort.perception import NearestNeighbour
-from beltsort.progress import Progress
+from beltsort.sorting.journal import read_journal
+from beltsort.sorting.progress import Progress
 from beltsort.tables.counts import Look, count
 from beltsort.tables.prepare import Prepared, Recipe
 from tests.cell.cell_files import changed

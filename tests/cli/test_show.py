@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.audit import steps_of
-from beltsort.journal import read_journal
-from beltsort.report import SortingReport
+from beltsort.sorting.audit import steps_of
+from beltsort.sorting.journal import read_journal
+from beltsort.sorting.report import SortingReport
 from tests.loop.killed_run import OBJECTS, run
 
 from .running import command, json_of, output

@@ -8,7 +8,7 @@ from beltsort.experiments.calibration import Pairs, reliability
 from beltsort.experiments.dependence import dependences
 from beltsort.experiments.portraits import Portraits
 from beltsort.experiments.sorted_runs import run_in
-from beltsort.journal import Entry
+from beltsort.sorting.journal import Entry
 
 
 def pairs(n: int, temper: float) -> Pairs:

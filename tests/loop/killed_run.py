@@ -17,10 +17,10 @@ import beltsort
 from beltsort.cell import Health, Outcome, Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.geometry import BeltLayout
-from beltsort.journal import Entry, Journal
-from beltsort.record import progress_in
-from beltsort.report import SortingReport
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.journal import Entry, Journal
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.record import progress_in
+from beltsort.sorting.report import SortingReport
 from tests.loop.scripted_cell import Glimpsed
 
 MODEL = beltsort.SortingModel.load("tests/fixtures/paper.json").replace(r_min=20)

@@ -18,11 +18,11 @@ from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
 from beltsort.cli.narrate import Narrator
 from beltsort.errors import CellError
-from beltsort.journal import Entry, Journal, read_journal
-from beltsort.record import progress_in
-from beltsort.report import SortingReport
-from beltsort.rules import Rules
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.record import progress_in
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.rules import Rules
 from tests.loop.killed_run import perceive
 from tests.loop.scripted_cell import ScriptedCell
 

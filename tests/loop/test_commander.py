@@ -8,11 +8,11 @@ import pytest
 
 import beltsort
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
-from beltsort.holds import Answer, HeldError, Hold, Operator, nobody
-from beltsort.journal import Entry, Journal, read_journal
-from beltsort.report import SortingReport
-from beltsort.rules import Rules
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.holds import Answer, HeldError, Hold, Operator, nobody
+from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.rules import Rules
 from tests.loop.scripted_cell import LookOnce, ScriptedCell, scripted
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json").replace(r_min=5)

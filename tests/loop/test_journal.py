@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 
 from beltsort.errors import JournalError
-from beltsort.journal import Entry, Journal, read_journal
+from beltsort.sorting.journal import Entry, Journal, read_journal
 from tests.account import Account
 
 KILLED_BETWEEN_INTENT_AND_OUTCOME = """
 import os, signal, sys
 from pathlib import Path
-from beltsort.journal import Entry, Journal
+from beltsort.sorting.journal import Entry, Journal
 journal = Journal(Path(sys.argv[1]))
 journal.append("start")
 journal.append("intent", label=3)

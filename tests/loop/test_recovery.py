@@ -10,14 +10,14 @@ import pytest
 import beltsort
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
 from beltsort.cell.protocols import NOWHERE
-from beltsort.command import Command
-from beltsort.commander import STEPS, Step
-from beltsort.holds import NUMBER, Answer, HeldError, Hold, Operator, nobody
-from beltsort.interrupts import Interrupted, Interrupts
-from beltsort.journal import Entry, Journal, read_journal
-from beltsort.report import SortingReport
-from beltsort.rules import Rules
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.command import Command
+from beltsort.sorting.commander import STEPS, Step
+from beltsort.sorting.holds import NUMBER, Answer, HeldError, Hold, Operator, nobody
+from beltsort.sorting.interrupts import Interrupted, Interrupts
+from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.rules import Rules
 from tests.loop.scripted_cell import LookOnce, ScriptedCell, scripted
 from tests.loop.test_commander import certain
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from beltsort.errors import JournalError
-from beltsort.journal import Journal, read_journal
-from beltsort.record import progress_in
-from beltsort.report import SortingReport
-from beltsort.sorter import sort_objects
+from beltsort.sorting.journal import Journal, read_journal
+from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.record import progress_in
+from beltsort.sorting.report import SortingReport
 from tests.loop.killed_run import MODEL, OBJECTS, FileWorld, perceive, planner, run
 
 pytestmark = pytest.mark.process

@@ -14,10 +14,10 @@ from beltsort.cell.simulated import ArmErrors, CellConfig, SimulatedCell
 from beltsort.cell.wrappers.fault_kinds import Fault
 from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
-from beltsort.journal import Entry, Journal, read_journal
 from beltsort.perception import Perception
-from beltsort.report import SortingReport
-from beltsort.sorter import sort_objects
+from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.report import SortingReport
 from beltsort.tables.collect import collect_training
 from tests.cell.conftest import PERFECT_SENSOR
 

@@ -9,10 +9,10 @@ import beltsort
 from beltsort.cell import Scan
 from beltsort.cell.simulated import CellConfig, SimulatedCell
 from beltsort.cell_run import restore
-from beltsort.journal import Entry, Journal
-from beltsort.record import progress_in
-from beltsort.report import SortingReport
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.journal import Entry, Journal
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.record import progress_in
+from beltsort.sorting.report import SortingReport
 from tests.loop.scripted_cell import Glimpsed
 
 TRUE = [0, 1, 2]

@@ -12,13 +12,13 @@ from beltsort.cell.simulated import CellConfig, SimulatedCell
 from beltsort.cell.wrappers.fault_kinds import Fault
 from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
-from beltsort.holds import Answer, Hold
-from beltsort.journal import Journal
 from beltsort.models import paper
-from beltsort.record import progress_in
-from beltsort.report import SortingReport
-from beltsort.rules import Rules
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.holds import Answer, Hold
+from beltsort.sorting.journal import Journal
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.record import progress_in
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.rules import Rules
 from tests.loop.killed_run import perceive
 from tests.loop.scripted_cell import LookOnce
 

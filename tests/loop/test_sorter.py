@@ -10,12 +10,12 @@ import pytest
 import beltsort
 from beltsort import Belief, Decide, Move
 from beltsort.errors import CellError
-from beltsort.holds import HeldError
-from beltsort.journal import Entry, Journal, read_journal
 from beltsort.planning.policy import Policy
-from beltsort.report import SortingReport
-from beltsort.rules import Rules
-from beltsort.sorter import sort_objects
+from beltsort.sorting.holds import HeldError
+from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.rules import Rules
 from tests.core.policies import Recorded
 from tests.loop.scripted_cell import EMPTY, UNUSABLE, Glimpse, ScriptedCell, scripted
 

@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 
 from beltsort import Belief, Decide, Move, SortingModel, Threshold
-from beltsort.audit import befell, steps_of
 from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cli.narrate import Narrator
 from beltsort.errors import CellError
-from beltsort.journal import Entry, Journal, read_journal
-from beltsort.progress import Progress
-from beltsort.record import progress_in
-from beltsort.report import SortingReport
-from beltsort.rules import Drift
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.audit import befell, steps_of
+from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.progress import Progress
+from beltsort.sorting.record import progress_in
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.rules import Drift
 from beltsort.tables import DriftWatch
 from tests.loop.killed_run import perceive
 from tests.loop.scripted_cell import Glimpse, ScriptedCell, scripted

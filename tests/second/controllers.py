@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from beltsort.cell.protocols import NOWHERE
-from beltsort.record import progress_in
+from beltsort.sorting.record import progress_in
 from tests.contract.peers import ServerPeer
 from tests.second.program import JOURNAL, Reference, Second, Site, World, class_of
 from tests.second.sequences import OBJECTS, Sequence

@@ -22,14 +22,14 @@ from beltsort.cell.opcua import make as make_opcua
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.errors import JournalError
 from beltsort.geometry import BeltLayout
-from beltsort.holds import Answer, HeldError, Hold, Operator
-from beltsort.interrupts import Interrupted, Interrupts
-from beltsort.journal import Journal
-from beltsort.locks import locked
 from beltsort.models import paper
-from beltsort.report import SortingReport
-from beltsort.rules import Rules
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.holds import Answer, HeldError, Hold, Operator
+from beltsort.sorting.interrupts import Interrupted, Interrupts
+from beltsort.sorting.journal import Journal
+from beltsort.sorting.locks import locked
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.rules import Rules
 from tests.loop.killed_run import perceive
 from tests.loop.scripted_cell import LookOnce, ScriptedCell
 

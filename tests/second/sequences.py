@@ -17,9 +17,9 @@ import numpy as np
 
 from beltsort.cell import CommandError
 from beltsort.cell.controller import FieldbusDevice
-from beltsort.holds import NUMBER, Answer, Hold, Way
-from beltsort.record import progress_in
-from beltsort.report import SortingReport
+from beltsort.sorting.holds import NUMBER, Answer, Hold, Way
+from beltsort.sorting.record import progress_in
+from beltsort.sorting.report import SortingReport
 from tests.second.program import JOURNAL, Site, class_of, program
 from tests.waiting import PATIENCE, wait_until
 

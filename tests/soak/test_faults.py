@@ -18,11 +18,11 @@ from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
-from beltsort.holds import Answer, Hold
-from beltsort.journal import Entry, Journal
 from beltsort.models import paper
-from beltsort.report import SortingReport
-from beltsort.sorter import resume_sorting, sort_objects
+from beltsort.sorting.holds import Answer, Hold
+from beltsort.sorting.journal import Entry, Journal
+from beltsort.sorting.loop import resume_sorting, sort_objects
+from beltsort.sorting.report import SortingReport
 from tests.account import Account
 from tests.contract.peers import OpcuaPeer
 from tests.loop.killed_run import perceive

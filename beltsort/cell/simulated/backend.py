@@ -11,10 +11,10 @@ from beltsort.cell.problems import CellFileError
 from beltsort.cell.registry import ROLES, backend_of
 from beltsort.cell.sections import Viewpoint
 from beltsort.cell.simulated.config import CellConfig
-from beltsort.util.randomness import generator
 from beltsort.cell.validation import validated
 from beltsort.geometry import SphereViewpoint
 from beltsort.util.naming import nearest_of
+from beltsort.util.randomness import generator
 
 if TYPE_CHECKING:
     from beltsort.cell.simulated.cell import SimulatedCell

@@ -10,10 +10,10 @@ from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
 from beltsort.cell.simulated.config import CellConfig
 from beltsort.cell.simulated.noise import noisy_depth
-from beltsort.util.randomness import generator
 from beltsort.cell.simulated.world import World
 from beltsort.errors import CellError
 from beltsort.geometry import BeltLayout, Points, Pose
+from beltsort.util.randomness import generator
 
 SCAN_STREAM = 1  # keeps the draws of scans apart from those of objects
 

@@ -8,11 +8,11 @@ from beltsort.cell.commands import CommandError, Outcome
 from beltsort.cell.simulated.bulbs import bulb
 from beltsort.cell.simulated.config import CellConfig
 from beltsort.cell.simulated.objects import cup_mesh, draw_object
-from beltsort.util.randomness import checked_seed, generator
 from beltsort.cell.simulated.scene import Scene
 from beltsort.cell.simulated.surfaces import Mesh, read_mesh
 from beltsort.errors import CellError
 from beltsort.geometry import Points
+from beltsort.util.randomness import checked_seed, generator
 
 OBJECT_STREAM = 0  # keeps the draws of objects apart from those of scans
 

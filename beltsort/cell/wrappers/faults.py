@@ -9,9 +9,9 @@ import numpy as np
 
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import Health, Scan
-from beltsort.util.randomness import generator
 from beltsort.cell.wrappers.fault_kinds import COMMANDS, Fault
 from beltsort.cell.wrappers.wrapped import Act, Call
+from beltsort.util.randomness import generator
 
 ON_PURPOSE = "(a fault on purpose: see [faults])"
 

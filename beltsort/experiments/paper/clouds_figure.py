@@ -7,10 +7,10 @@ import numpy as np
 
 from beltsort.cell.simulated import CellConfig, SimulatedCell
 from beltsort.cell.simulated.bulbs import bulb
-from beltsort.experiments.belief_figure import COLOURS
 from beltsort.experiments.paper.design import Stream, seed_of
 from beltsort.geometry import Points
 from beltsort.perception import segment
+from beltsort.sorting.belief_figure import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,7 +6,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from beltsort.cell.simulated import CellConfig
-from beltsort.experiments.belief_figure import draw_belief
 from beltsort.experiments.paper.beyond_figures import beyond_figure, bounds_figure
 from beltsort.experiments.paper.clouds_figure import clouds_figure
 from beltsort.experiments.paper.curves import accuracy_figure, one_against_two_figure, steps_figure
@@ -19,7 +18,8 @@ from beltsort.experiments.paper.scans import PreparedCell, scan_point, sort_batc
 from beltsort.experiments.paper.sphere import reached_sphere
 from beltsort.experiments.paper.style import save_drawn, save_figure
 from beltsort.experiments.sphere_figure import draw_sphere
-from beltsort.journal import Entry, read_journal
+from beltsort.sorting.belief_figure import draw_belief
+from beltsort.sorting.journal import Entry, read_journal
 
 
 @dataclass(frozen=True)

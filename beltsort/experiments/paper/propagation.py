@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort import Belief, SortingModel
-from beltsort.experiments.belief_figure import COLOURS
 from beltsort.experiments.paper.style import new_figure
+from beltsort.sorting.belief_figure import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -22,8 +22,8 @@ from beltsort.experiments.paper.policies import DESPOT
 from beltsort.experiments.paper.printed import R_MIN
 from beltsort.experiments.paper.run import Results
 from beltsort.experiments.paper.verdicts import Finding, Verdict
-from beltsort.util.machine import processor_name, processors
 from beltsort.tables import Counts, table_one, table_two
+from beltsort.util.machine import processor_name, processors
 
 LIBRARIES = ("numpy", "scipy", "matplotlib", "open3d")
 STYLE = """

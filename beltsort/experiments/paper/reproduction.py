@@ -10,7 +10,7 @@ from beltsort.experiments.paper.figures import Picture, draw_all
 from beltsort.experiments.paper.files import write_tables
 from beltsort.experiments.paper.report import Circumstances, write_report
 from beltsort.experiments.paper.run import STORE, Results, cell_of, run_experiments
-from beltsort.runs import make_folder
+from beltsort.sorting.runs import make_folder
 from beltsort.tables.prepare import Prepared, StageProgress
 
 

@@ -17,10 +17,10 @@ from beltsort.experiments.paper.instances import OBJECTS, Instance
 from beltsort.experiments.paper.labels import STUDY
 from beltsort.experiments.paper.outcomes import Point, Row
 from beltsort.experiments.paper.policies import BATCH, DESPOT
-from beltsort.journal import Journal
 from beltsort.perception import NearestNeighbour, Perception
-from beltsort.report import SortingReport
-from beltsort.sorter import sort_objects
+from beltsort.sorting.journal import Journal
+from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.report import SortingReport
 
 LEVEL = "depth scans"
 

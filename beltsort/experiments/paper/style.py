@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from beltsort.experiments.belief_figure import COLOURS, MARKERS
 from beltsort.experiments.paper.outcomes import Row
 from beltsort.experiments.paper.statistics import CONFIDENCE, mean
+from beltsort.sorting.belief_figure import COLOURS, MARKERS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

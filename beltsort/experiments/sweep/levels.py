@@ -15,8 +15,8 @@ from beltsort.errors import SweepError
 from beltsort.experiments.sweep.grid import inputs_of, seeds_of
 from beltsort.experiments.sweep.parameters import nested, section_of
 from beltsort.planning.named_policy import named_policy
-from beltsort.util.naming import index_of
 from beltsort.tables.prepare import Prepared, Recipe, StageProgress, prepare
+from beltsort.util.naming import index_of
 
 Point = Mapping[str, Any]
 METRICS = ("steps", "correct", "returns", "discounted_returns")
@@ -45,9 +45,9 @@ def table_point(point: Point) -> dict[str, float | None]:
 def scan_point(point: Point) -> dict[str, int | float]:
     """Return what a run of the simulated cell did, from scans to decisions."""
     from beltsort.cell.simulated import SimulatedCell
-    from beltsort.journal import Journal
     from beltsort.perception import Perception
-    from beltsort.sorter import sort_objects
+    from beltsort.sorting.journal import Journal
+    from beltsort.sorting.loop import sort_objects
 
     _check_inputs(point)
     settings = section_of(point, "scans")

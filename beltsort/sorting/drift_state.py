@@ -43,7 +43,7 @@ class DriftState:
         model
             Whose tables are watched.
         settings
-            A `beltsort.rules.Drift` as plain data; None to watch no more.
+            A `beltsort.sorting.rules.Drift` as plain data; None to watch no more.
         """
         if settings is None:
             self.watch, self.told = None, 0

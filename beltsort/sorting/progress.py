@@ -11,12 +11,12 @@ from typing import Any
 
 from beltsort._core import Belief, SortingModel
 from beltsort.cell.commands import Outcome
-from beltsort.command import Command
-from beltsort.drift_state import DriftState
 from beltsort.errors import JournalError
-from beltsort.journal import Entry
-from beltsort.report import Decision
-from beltsort.rules import Seen
+from beltsort.sorting.command import Command
+from beltsort.sorting.drift_state import DriftState
+from beltsort.sorting.journal import Entry
+from beltsort.sorting.report import Decision
+from beltsort.sorting.rules import Seen
 
 
 class Owed(Enum):

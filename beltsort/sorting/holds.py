@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from enum import Enum
 
 from beltsort.cell.protocols import NOWHERE
-from beltsort.command import Command
 from beltsort.errors import CellError
+from beltsort.sorting.command import Command
 
 
 class Answer(Enum):

@@ -14,12 +14,12 @@ from typing import NamedTuple, TypeVar
 
 from beltsort.cell import Actuator, Cell, CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import NOWHERE, TellsPosition
-from beltsort.command import Command
-from beltsort.holds import FURTHER, Answer, HeldError, Hold, Operator, astray, at_the_end, in_doubt
-from beltsort.packml import State
-from beltsort.progress import Progress
-from beltsort.record import Record
-from beltsort.rules import Rules
+from beltsort.sorting.command import Command
+from beltsort.sorting.holds import FURTHER, Answer, HeldError, Hold, Operator, astray, at_the_end, in_doubt
+from beltsort.sorting.packml import State
+from beltsort.sorting.progress import Progress
+from beltsort.sorting.record import Record
+from beltsort.sorting.rules import Rules
 
 Result = TypeVar("Result")
 

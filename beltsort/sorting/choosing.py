@@ -4,10 +4,10 @@ from typing import Any
 
 from beltsort._core import Decide, Despot, Move, PolicyError
 from beltsort.cell import Cell
-from beltsort.commander import Commander
 from beltsort.planning.policy import Policy
-from beltsort.record import Record
-from beltsort.rules import Rules
+from beltsort.sorting.commander import Commander
+from beltsort.sorting.record import Record
+from beltsort.sorting.rules import Rules
 
 LATE = 1.2
 """A plan that took so many times its budget of time is marked in the journal; it is the best one so far."""

@@ -9,8 +9,8 @@ from typing import Any
 
 from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel
 from beltsort.errors import JournalError
-from beltsort.journal import Entry, read_journal
-from beltsort.progress import Progress, model_of
+from beltsort.sorting.journal import Entry, read_journal
+from beltsort.sorting.progress import Progress, model_of
 
 JOURNAL = "journal.sqlite"
 BEFALLS = ("bad_scan", "wrong_viewpoint", "drift")

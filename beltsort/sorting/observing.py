@@ -7,10 +7,10 @@ from beltsort._core import Belief, ImpossibleObservationError
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.arrival import Deviation, deviation_from, viewpoint_poses
 from beltsort.errors import CloudError
-from beltsort.holds import HeldError, Hold
-from beltsort.progress import Progress
-from beltsort.record import Record
-from beltsort.rules import Rules
+from beltsort.sorting.holds import HeldError, Hold
+from beltsort.sorting.progress import Progress
+from beltsort.sorting.record import Record
+from beltsort.sorting.rules import Rules
 
 
 class PerceivedPosition(Protocol):

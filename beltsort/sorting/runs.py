@@ -10,12 +10,12 @@ from beltsort import SortingModel
 from beltsort.cell.protocols import Cell
 from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.errors import JournalError
-from beltsort.holds import Operator, nobody
-from beltsort.journal import Journal, Listener
 from beltsort.planning.policy import Policy
-from beltsort.report import Decision, SortingReport
-from beltsort.rules import Drift, Rules
-from beltsort.sorter import Check, Perceive, nothing, sort_objects
+from beltsort.sorting.holds import Operator, nobody
+from beltsort.sorting.journal import Journal, Listener
+from beltsort.sorting.loop import Check, Perceive, nothing, sort_objects
+from beltsort.sorting.report import Decision, SortingReport
+from beltsort.sorting.rules import Drift, Rules
 
 JOURNAL, MODEL, CALLS, LOCK = "journal.sqlite", "model.json", "calls.jsonl", "lock"
 
@@ -60,8 +60,8 @@ def sort_into(
 ) -> SortingReport:
     """Sort the next objects of the belt; model and journal are kept in an existing folder.
 
-    Parameters, returns and raises as `beltsort.sorter.sort_objects`; `listener` is called with every entry of
-    the journal.
+    Parameters, returns and raises as `beltsort.sorting.loop.sort_objects`; `listener` is called with every
+    entry of the journal.
     """
     model.save(folder / MODEL)
     with Journal(folder / JOURNAL, listener) as journal:

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from beltsort.journal import Journal, read_journal
-from beltsort.progress import Progress
+from beltsort.sorting.journal import Journal, read_journal
+from beltsort.sorting.progress import Progress
 
 
 class Record:

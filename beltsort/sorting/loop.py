@@ -9,18 +9,18 @@ import beltsort
 from beltsort._core import Despot, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
 from beltsort.cell.stopping import stopping
-from beltsort.choosing import Chooser
-from beltsort.commander import Commander
 from beltsort.errors import CellError
-from beltsort.holds import HeldError, Hold, Operator, nobody
-from beltsort.journal import Journal
-from beltsort.observing import Observer, Perceive, PerceivedPosition
-from beltsort.packml import State
 from beltsort.planning.policy import Policy
-from beltsort.progress import Owed, Progress
-from beltsort.record import Record, progress_in
-from beltsort.report import SortingReport
-from beltsort.rules import Drift, Rules
+from beltsort.sorting.choosing import Chooser
+from beltsort.sorting.commander import Commander
+from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
+from beltsort.sorting.journal import Journal
+from beltsort.sorting.observing import Observer, Perceive, PerceivedPosition
+from beltsort.sorting.packml import State
+from beltsort.sorting.progress import Owed, Progress
+from beltsort.sorting.record import Record, progress_in
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.rules import Drift, Rules
 
 Check = Callable[[], None]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from beltsort import Belief, SortingModel
 from beltsort.errors import JournalError
-from beltsort.journal import Entry
+from beltsort.sorting.journal import Entry
 
 # Okabe & Ito's palette: told apart by colour-blind readers too; markers tell classes apart in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -57,7 +57,7 @@ def draw_belief(entries: list[Entry], path: Path) -> None:
     Parameters
     ----------
     entries
-        From `beltsort.journal.read_journal`.
+        From `beltsort.sorting.journal.read_journal`.
     path
         The picture; its ending (png, svg, pdf) is its format.
     """
