@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, field
 
-from beltsort._core import ArgumentError
-
 
 @dataclass(frozen=True)
 class Rules:
@@ -62,10 +60,9 @@ class Drift:
 
     def __post_init__(self) -> None:
         """Refuse what is no probability of an alarm."""
-        if not 0.0 < self.false_alarm < 1.0:
-            raise ArgumentError(
-                f"false_alarm is {self.false_alarm}, expected a probability between 0 and 1, such as 0.01"
-            )
+        from beltsort.tables.drift import check_false_alarm
+
+        check_false_alarm(self.false_alarm)
 
 
 @dataclass

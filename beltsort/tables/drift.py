@@ -33,7 +33,6 @@ from typing import Any, Self
 import numpy as np
 
 import beltsort
-from beltsort.sorting.rules import Drift
 from beltsort.tables.counts import Array
 from beltsort.util.text import number_or_none
 
@@ -41,6 +40,14 @@ NOISE = 0.2  # lambda; from 0.1 to 0.5 the delays differ little
 MEMORY = 0.98  # what shares of labels keep of their weight from look to look
 CAUTION = 5.0  # looks that are taken to have come as predicted before the first
 LEARNT = ("seen", "expected", "excess", "variance", "looks")  # arrays of a watch, by position and viewpoint
+
+
+def check_false_alarm(false_alarm: float) -> None:
+    """Refuse what is no probability of an alarm, with an `ArgumentError`."""
+    if not 0.0 < false_alarm < 1.0:
+        raise beltsort.ArgumentError(
+            f"false_alarm is {false_alarm}, expected a probability between 0 and 1, such as 0.01"
+        )
 
 
 @dataclass(frozen=True)
@@ -131,7 +138,8 @@ class DriftWatch:
     """
 
     def __init__(self, model: "beltsort.SortingModel", *, false_alarm: float = 0.01) -> None:
-        self.model, self.false_alarm = model, Drift(false_alarm).false_alarm
+        check_false_alarm(false_alarm)
+        self.model, self.false_alarm = model, false_alarm
         self.alarms: list[Alarm] = []
         shape = (model.positions, len(model.viewpoints))
         self._gamblers: dict[tuple[int, int] | None, _Gambler] = {
