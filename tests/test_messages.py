@@ -15,10 +15,10 @@ import pytest
 import beltsort
 from beltsort.cell.commands import CommandError
 from beltsort.cell.description import CellDescription
-from beltsort.cell.opcua import OpcuaOptions
 from beltsort.cell.problems import CellFileError
 from beltsort.cell.simulated import SimulatedCell
 from beltsort.cli import main
+from beltsort.drivers.opcua import OpcuaOptions
 from beltsort.errors import (
     CellError,
     CloudError,

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from beltsort.cell import modbus, opcua, replay, ros1
 from beltsort.cell.registry import Backend, backend_of
 from beltsort.cell.validation import validated
+from beltsort.drivers import modbus, opcua, replay, ros1
 
 if TYPE_CHECKING:
     from beltsort.cell.description import CellDescription

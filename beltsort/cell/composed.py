@@ -13,7 +13,6 @@ from beltsort.cell.wrappers.bins import Bins
 from beltsort.cell.wrappers.camera_poses import CameraPoses
 from beltsort.cell.wrappers.deadlines import Deadlines
 from beltsort.cell.wrappers.dry_run import DryRun, Say
-from beltsort.cell.wrappers.faults import Faults
 from beltsort.cell.wrappers.follow import Follow
 from beltsort.cell.wrappers.limits import Limits
 from beltsort.cell.wrappers.recorder import Recorded, Recorder
@@ -26,6 +25,7 @@ from beltsort.cell.wrappers.wrapped import (
     chained,
 )
 from beltsort.geometry import BeltLayout, Pose
+from beltsort.testing.faults import Faults
 
 WRAPPED = {"arm": WrappedArm, "camera": WrappedCamera, "belt": WrappedBelt, "sorter": WrappedSorter}
 MOVERS = ("arm", "belt", "sorter")

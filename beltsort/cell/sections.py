@@ -8,9 +8,9 @@ from pydantic import Field, FiniteFloat, NonNegativeInt, PositiveFloat, Positive
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.frames import from_matrix, from_quaternion
 from beltsort.cell.validation import Section
-from beltsort.cell.wrappers.fault_kinds import Fault
-from beltsort.cell.wrappers.faults import FaultPlan
 from beltsort.geometry import Pose, look_at, on_sphere
+from beltsort.testing.fault_kinds import Fault
+from beltsort.testing.faults import FaultPlan
 
 Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 Quaternion = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]

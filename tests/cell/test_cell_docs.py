@@ -11,7 +11,7 @@ from beltsort.cell.composed import compose
 from beltsort.cell.description import CellDescription
 from beltsort.cell.registry import BUILT_IN
 from beltsort.cell.validation import Section, validated
-from beltsort.cell.wrappers.fault_kinds import Fault
+from beltsort.testing.fault_kinds import Fault
 
 
 def is_section(kind: object) -> bool:

@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 from pymodbus.client import ModbusTcpClient
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.controller.wire import MAX_BINS, Phase, Reply, Request, Verb
-from beltsort.cell.modbus import ModbusOptions, make
-from beltsort.cell.modbus.registers import (
+from beltsort.cell.protocols import NOWHERE
+from beltsort.drivers.fieldbus.wire import MAX_BINS, Phase, Reply, Request, Verb
+from beltsort.drivers.modbus import ModbusOptions, make
+from beltsort.drivers.modbus.registers import (
     REPLY_AT,
     REPLY_COUNT,
     REQUEST_AT,
@@ -27,7 +28,6 @@ from beltsort.cell.modbus.registers import (
     encode_reply,
     encode_request,
 )
-from beltsort.cell.protocols import NOWHERE
 from beltsort.errors import CellError
 from tests.contract.peers import ModbusPeer, ModbusTlsPeer
 from tests.laws import cases

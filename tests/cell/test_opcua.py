@@ -14,10 +14,10 @@ from asyncua.client.client import Client
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 from asyncua.ua.uaerrors import UaError
 
-from beltsort.cell.controller.link import require
-from beltsort.cell.controller.pki import application_uri
-from beltsort.cell.opcua import OpcuaOptions, make
-from beltsort.cell.opcua.nodes import NAMESPACE, REQUEST, node_id
+from beltsort.drivers.fieldbus.link import require
+from beltsort.drivers.fieldbus.pki import application_uri
+from beltsort.drivers.opcua import OpcuaOptions, make
+from beltsort.drivers.opcua.nodes import NAMESPACE, REQUEST, node_id
 from beltsort.errors import CellError
 from tests.contract.peers import OpcuaPeer
 
@@ -163,7 +163,7 @@ def test_a_missing_package_is_named() -> None:
 
 def test_drivers_are_loaded_when_a_device_is_made() -> None:
     program = (
-        "import sys, beltsort, beltsort.cell, beltsort.cell.modbus, beltsort.cell.opcua as opcua\n"
+        "import sys, beltsort, beltsort.cell, beltsort.drivers.modbus, beltsort.drivers.opcua as opcua\n"
         f"opcua.OpcuaOptions({ENDPOINT!r}, allow_insecure=True)\n"
         "print(*{'asyncua', 'pymodbus', 'cryptography'} & set(sys.modules))"
     )

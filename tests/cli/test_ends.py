@@ -14,9 +14,9 @@ import pytest
 
 from beltsort import BeltsortError
 from beltsort.cell import Outcome
-from beltsort.cell.controller import FieldbusDevice
 from beltsort.cli import code_of, exit_codes, main
 from beltsort.cli.run import Settling
+from beltsort.drivers.fieldbus import FieldbusDevice
 from beltsort.errors import JournalNotWrittenError
 from beltsort.models import paper
 from beltsort.sorting.command import Command

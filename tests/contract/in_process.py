@@ -8,15 +8,15 @@ import numpy as np
 
 from beltsort.cell import Scan
 from beltsort.cell.dry_run import OVERHEAD, Absent, EmptyBeltCamera
-from beltsort.cell.replay import Replay
 from beltsort.cell.simulated import Camera, CellConfig, SimulatedCell
 from beltsort.cell.wrappers.dry_run import DryRun
-from beltsort.cell.wrappers.fault_kinds import Fault
-from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
+from beltsort.drivers.replay import Replay
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
 from beltsort.perception import Finding, segment
+from beltsort.testing.fault_kinds import Fault
+from beltsort.testing.faults import FaultPlan, Faults
 from tests.contract.peer import SeeingPeer
 from tests.contract.record import SPOILT, replayed
 

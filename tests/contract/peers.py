@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from beltsort.cell import within
-from beltsort.cell.controller import FieldbusDevice
-from beltsort.cell.controller.pki import Identity, identity
-from beltsort.cell.modbus import ModbusOptions
-from beltsort.cell.modbus import make as make_modbus
-from beltsort.cell.opcua import OpcuaOptions
-from beltsort.cell.opcua import make as make_opcua
 from beltsort.cell.protocols import NOWHERE
+from beltsort.drivers.fieldbus import FieldbusDevice
+from beltsort.drivers.fieldbus.pki import Identity, identity
+from beltsort.drivers.modbus import ModbusOptions
+from beltsort.drivers.modbus import make as make_modbus
+from beltsort.drivers.opcua import OpcuaOptions
+from beltsort.drivers.opcua import make as make_opcua
 from tests.contract.in_process import DryRunPeer, InProcessPeer, ReplayPeer, SimulatedPeer
 from tests.contract.peer import PATIENCE, Peer, ProcessPeer
 from tests.contract.ros1_peer import Ros1Peer
@@ -203,7 +203,7 @@ class ServerPeer(ProcessPeer):
 
 
 class OpcuaPeer(ServerPeer):
-    module = "beltsort.cell.opcua.server"
+    module = "beltsort.testing.opcua_server"
     secure = True
 
     def options_of(self, own: Identity, trust: Path, port: int) -> OpcuaOptions:
@@ -213,7 +213,7 @@ class OpcuaPeer(ServerPeer):
 
 
 class ModbusTlsPeer(ServerPeer):
-    module = "beltsort.cell.modbus.server"
+    module = "beltsort.testing.modbus_server"
     secure = True
 
     def options_of(self, own: Identity, trust: Path, port: int) -> ModbusOptions:
@@ -222,7 +222,7 @@ class ModbusTlsPeer(ServerPeer):
 
 
 class ModbusPeer(ServerPeer):
-    module = "beltsort.cell.modbus.server"
+    module = "beltsort.testing.modbus_server"
     secure = False
 
     def options_of(self, own: Identity, trust: Path, port: int) -> ModbusOptions:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from beltsort.cell.replay import Replay, ReplayOptions
-from beltsort.cell.ros.clouds import Cloud, packed
+from beltsort.drivers.replay import Replay, ReplayOptions
+from beltsort.drivers.ros.clouds import Cloud, packed
 from beltsort.geometry import Points
 from tests.cell.replay import bags
 

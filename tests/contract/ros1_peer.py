@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from beltsort.cell import CommandError
-from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
+from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig, require_ros
 from tests.contract.peer import ProcessPeer, SeeingPeer

@@ -3,7 +3,7 @@
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.wrappers.fault_kinds import Fault
+from beltsort.testing.fault_kinds import Fault
 from tests.contract.bench import Bench, benches, error_of, new_id
 from tests.contract.in_process import InProcessPeer
 from tests.contract.peer import Peer, ProcessPeer

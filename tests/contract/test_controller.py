@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort.cell.controller.reference import Controller, Machine, Mishap
-from beltsort.cell.controller.wire import COMMANDS, Phase, Reason, Reply, Request, Verb, following
 from beltsort.cell.protocols import NOWHERE
+from beltsort.drivers.fieldbus.wire import COMMANDS, Phase, Reason, Reply, Request, Verb, following
+from beltsort.testing.controller import Controller, Machine, Mishap
 from tests.laws import cases
 
 MACHINE = Machine(bins=3, capacity=4, advance_seconds=1.0, sort_seconds=1.0, memory=1000)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, fields
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.controller import FieldbusDevice
-from beltsort.cell.controller.reference import Controller, Machine
-from beltsort.cell.controller.wire import COMMANDS, Reply, Request, Verb, checked
+from beltsort.drivers.fieldbus import FieldbusDevice
+from beltsort.drivers.fieldbus.wire import COMMANDS, Reply, Request, Verb, checked
+from beltsort.testing.controller import Controller, Machine
 
 NOW = 1000.0
 """The cell's clock."""

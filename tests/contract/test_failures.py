@@ -6,7 +6,7 @@ from concurrent.futures import Future
 import pytest
 
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
-from beltsort.cell.controller import FieldbusDevice
+from beltsort.drivers.fieldbus import FieldbusDevice
 from tests.account import Account
 from tests.contract.bench import begun, error_of, named, new_id
 from tests.contract.peer import PATIENCE

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.cell.controller.wire import EXPLANATIONS, Phase, Reason, Verb
-from beltsort.cell.opcua.nodes import REPLY, REQUEST
+from beltsort.drivers.fieldbus.wire import EXPLANATIONS, Phase, Reason, Verb
+from beltsort.drivers.opcua.nodes import REPLY, REQUEST
 
 PAGE = (Path(__file__).parents[2] / "docs" / "fieldbus.md").read_text()
 

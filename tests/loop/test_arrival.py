@@ -13,8 +13,6 @@ from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.composed import ComposedCell
 from beltsort.cell.simulated import CellConfig
-from beltsort.cell.wrappers.fault_kinds import Fault
-from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
 from beltsort.cli.narrate import Narrator
 from beltsort.errors import CellError
@@ -23,6 +21,8 @@ from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.rules import Rules
+from beltsort.testing.fault_kinds import Fault
+from beltsort.testing.faults import FaultPlan, Faults
 from tests.loop.killed_run import perceive
 from tests.loop.scripted_cell import ScriptedCell
 

@@ -11,14 +11,14 @@ import pytest
 import beltsort
 from beltsort.cell.composed import ComposedCell
 from beltsort.cell.simulated import ArmErrors, CellConfig, SimulatedCell
-from beltsort.cell.wrappers.fault_kinds import Fault
-from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
 from beltsort.perception import Perception
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.report import SortingReport
 from beltsort.tables.collect import collect_training
+from beltsort.testing.fault_kinds import Fault
+from beltsort.testing.faults import FaultPlan, Faults
 from tests.cell.conftest import PERFECT_SENSOR
 
 CONFIG = CellConfig(noise=PERFECT_SENSOR, arm=ArmErrors(position=0.0, angle=0.0))

@@ -9,8 +9,6 @@ from beltsort.cell import EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.composed import ComposedCell
 from beltsort.cell.simulated import CellConfig, SimulatedCell
-from beltsort.cell.wrappers.fault_kinds import Fault
-from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.models import paper
 from beltsort.sorting.holds import Answer, Hold
@@ -19,6 +17,8 @@ from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.rules import Rules
+from beltsort.testing.fault_kinds import Fault
+from beltsort.testing.faults import FaultPlan, Faults
 from tests.loop.killed_run import perceive
 from tests.loop.scripted_cell import LookOnce
 

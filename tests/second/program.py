@@ -15,11 +15,11 @@ import numpy as np
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.composed import ComposedCell
-from beltsort.cell.controller import FieldbusDevice
-from beltsort.cell.modbus import ModbusOptions, make
-from beltsort.cell.opcua import OpcuaOptions
-from beltsort.cell.opcua import make as make_opcua
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
+from beltsort.drivers.fieldbus import FieldbusDevice
+from beltsort.drivers.modbus import ModbusOptions, make
+from beltsort.drivers.opcua import OpcuaOptions
+from beltsort.drivers.opcua import make as make_opcua
 from beltsort.errors import JournalError
 from beltsort.geometry import BeltLayout
 from beltsort.models import paper

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from beltsort.cell import CommandError
-from beltsort.cell.controller import FieldbusDevice
+from beltsort.drivers.fieldbus import FieldbusDevice
 from beltsort.sorting.holds import NUMBER, Answer, Hold, Way
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
@@ -29,7 +29,7 @@ STARTS = 60
 
 FORKING = multiprocessing.get_context("forkserver")
 FORKING.set_forkserver_preload(
-    ["tests.second.program", "beltsort.cell.modbus.link", "beltsort.cell.opcua.link"]
+    ["tests.second.program", "beltsort.drivers.modbus.link", "beltsort.drivers.opcua.link"]
 )
 
 

@@ -13,8 +13,6 @@ import beltsort
 from beltsort.cell import EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.composed import ComposedCell
-from beltsort.cell.wrappers.fault_kinds import Fault
-from beltsort.cell.wrappers.faults import FaultPlan, Faults
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
@@ -23,6 +21,8 @@ from beltsort.sorting.holds import Answer, Hold
 from beltsort.sorting.journal import Entry, Journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.report import SortingReport
+from beltsort.testing.fault_kinds import Fault
+from beltsort.testing.faults import FaultPlan, Faults
 from tests.account import Account
 from tests.contract.peers import OpcuaPeer
 from tests.loop.killed_run import perceive

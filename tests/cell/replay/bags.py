@@ -8,7 +8,7 @@ import numpy as np
 from rosbags import rosbag1, rosbag2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from beltsort.cell.ros.clouds import Cloud, packed
+from beltsort.drivers.ros.clouds import Cloud, packed
 from beltsort.geometry import Points
 
 FORMATS = ("bag", "sqlite3", "mcap")

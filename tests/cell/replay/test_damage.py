@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beltsort.cell.replay import Replay, ReplayOptions
+from beltsort.drivers.replay import Replay, ReplayOptions
 from beltsort.errors import CellError
 from tests.cell.replay import bags
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from beltsort.cell import Arm, Belt, DepthCamera, Outcome, Scan
-from beltsort.cell.replay import (
+from beltsort.cell.simulated import Camera, CellConfig, SimulatedCell
+from beltsort.drivers.replay import (
     Recorder,
     RecordingArm,
     RecordingBelt,
@@ -14,7 +15,6 @@ from beltsort.cell.replay import (
     Replay,
     ReplayOptions,
 )
-from beltsort.cell.simulated import Camera, CellConfig, SimulatedCell
 from beltsort.errors import CellError
 
 SMALL = CellConfig(camera=Camera(width=64, height=48, focal=57.0))

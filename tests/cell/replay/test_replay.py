@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.replay import Replay, ReplayOptions
-from beltsort.cell.ros.clouds import Cloud, packed
+from beltsort.drivers.replay import Replay, ReplayOptions
+from beltsort.drivers.ros.clouds import Cloud, packed
 from beltsort.errors import CellError
 from beltsort.geometry import Points
 from tests.cell.replay import bags

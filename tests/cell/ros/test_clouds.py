@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from beltsort.cell.ros.clouds import Cloud, packed, points_of
+from beltsort.drivers.ros.clouds import Cloud, packed, points_of
 from beltsort.errors import CellError
 
 POINTS = np.random.default_rng(3).normal(size=(4, 5, 3)).astype(np.float32).astype(np.float64)

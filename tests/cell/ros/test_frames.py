@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort.cell.ros.frames import Frames, quaternion_of, rigid
+from beltsort.drivers.ros.frames import Frames, quaternion_of, rigid
 from beltsort.errors import CellError
 
 STILL = [0.0, 0.0, 0.0, 1.0]

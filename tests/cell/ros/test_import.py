@@ -8,7 +8,7 @@ import pytest
 pytestmark = pytest.mark.process
 
 SCRIPT = """
-import sys, beltsort, beltsort.cell, beltsort.cell.replay, beltsort.cell.ros1
+import sys, beltsort, beltsort.cell, beltsort.drivers.replay, beltsort.drivers.ros1
 print(*sorted({"rosbags", "rospy", "genpy", "open3d"} & set(sys.modules)))
 """
 

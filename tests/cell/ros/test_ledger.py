@@ -3,7 +3,7 @@
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.ros.ledger import Ledger
+from beltsort.drivers.ros.ledger import Ledger
 
 
 def refuse() -> float:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
+from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig, require_ros
 

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from beltsort.cell.ros.clouds import packed
-from beltsort.cell.ros1.messages import message_class
+from beltsort.drivers.ros.clouds import packed
+from beltsort.drivers.ros1.messages import message_class
 from tests.cell.ros1.press import Press
 from tests.cell.ros1.scene import (
     ACTION,

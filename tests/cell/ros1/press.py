@@ -3,8 +3,8 @@
 import time
 from typing import Any
 
-from beltsort.cell.ros1.messages import message_class
-from beltsort.cell.ros1.status import RUNNING, SUCCEEDED
+from beltsort.drivers.ros1.messages import message_class
+from beltsort.drivers.ros1.status import RUNNING, SUCCEEDED
 from tests.cell.ros1.scene import Settings
 
 BINS = 5

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from beltsort.cell import CommandError, within
-from beltsort.cell.ros1.master import Master
+from beltsort.drivers.ros1.master import Master
 from tests.cell.ros1 import scene
 from tests.ports import HeldPort
 from tests.waiting import PATIENCE, wait_until

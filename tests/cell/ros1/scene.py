@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beltsort.cell.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions, Ros1SorterOptions
+from beltsort.drivers.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions, Ros1SorterOptions
 
 CLOUDS, JOINTS, COMMAND = "/camera/points", "/robot/joint_states", "/robot/limb/right/joint_command"
 ACTION, BELT, SORTER, EMERGENCY = "/arm/follow_joint_trajectory", "/belt", "/sorter", "/emergency_stop"

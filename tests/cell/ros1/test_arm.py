@@ -8,7 +8,7 @@ from uuid import uuid4
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.ros1 import Ros1Arm
+from beltsort.drivers.ros1 import Ros1Arm
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig
 from tests.waiting import wait_until

@@ -5,7 +5,7 @@ from itertools import count
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.ros1 import Ros1Belt
+from beltsort.drivers.ros1 import Ros1Belt
 from tests.cell.ros1.rig import Rig
 from tests.waiting import wait_until
 

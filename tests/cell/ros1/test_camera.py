@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.ros1 import Ros1Arm, Ros1Camera
+from beltsort.drivers.ros1 import Ros1Arm, Ros1Camera
 from beltsort.errors import CellError
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig

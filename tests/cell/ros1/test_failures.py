@@ -12,7 +12,7 @@ from uuid import uuid4
 import pytest
 
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
-from beltsort.cell.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
+from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig
 from tests.ports import HeldPort
@@ -92,7 +92,7 @@ def test_our_node_ends_with_us(rig: Rig) -> None:
     script = f"""
 import dataclasses
 import os
-from beltsort.cell.ros1 import Ros1Belt, Ros1BeltOptions
+from beltsort.drivers.ros1 import Ros1Belt, Ros1BeltOptions
 Ros1Belt(Ros1BeltOptions(master={rig.uri!r})).connect()
 children = open(f"/proc/{{os.getpid()}}/task/{{os.getpid()}}/children").read()
 print(children, flush=True)

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from beltsort.cell.ros1.options import Ros1ArmOptions, Ros1CameraOptions, Ros1SorterOptions
-from beltsort.cell.ros1.standstill import Motion, Standstill
+from beltsort.drivers.ros1.options import Ros1ArmOptions, Ros1CameraOptions, Ros1SorterOptions
+from beltsort.drivers.ros1.standstill import Motion, Standstill
 from beltsort.errors import CellError
 from tests.cell.ros1 import scene
 

@@ -6,7 +6,7 @@ from uuid import uuid4
 import pytest
 
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
-from beltsort.cell.ros1 import Ros1Sorter
+from beltsort.drivers.ros1 import Ros1Sorter
 from tests.cell.ros1 import scene
 from tests.cell.ros1.rig import Rig
 

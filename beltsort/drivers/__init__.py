@@ -1,0 +1,1 @@
+"""Devices of real cells: over a fieldbus, over ROS, and played back from recordings."""

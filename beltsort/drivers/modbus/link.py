@@ -1,0 +1,79 @@
+"""One Modbus connection."""
+
+import socket
+import ssl
+
+from pymodbus.client import ModbusTcpClient
+from pymodbus.pdu import ModbusPDU
+
+from beltsort.drivers.fieldbus.link import LinkError
+from beltsort.drivers.fieldbus.wire import Reply, Request
+from beltsort.drivers.modbus.options import ModbusOptions
+from beltsort.drivers.modbus.registers import REPLY_AT, REPLY_COUNT, REQUEST_AT, decode_reply, encode_request
+from beltsort.drivers.modbus.tls import context
+
+
+class OneConnection(ModbusTcpClient):
+    """A client of a connection that exists; it neither reconnects (TLS would be left out) nor repeats.
+
+    TLS carries the same frames as TCP. pymodbus's own TLS client does not put frames together that arrive in
+    parts, nor compares the server's name.
+    """
+
+    def __init__(self, connection: socket.socket, seconds: float) -> None:
+        host, port = connection.getpeername()[:2]
+        super().__init__(host, port=port, timeout=seconds, retries=0)
+        self.socket = connection
+
+    def connect(self) -> bool:
+        """Tell whether the connection is still there."""
+        return self.socket is not None
+
+
+class ModbusLink:
+    """A connection.
+
+    Parameters
+    ----------
+    options
+        How the server is reached.
+    seconds
+        That each call may take.
+    """
+
+    def __init__(self, options: ModbusOptions, seconds: float) -> None:
+        self._unit = options.unit
+        self._connection = _connected(options, seconds)
+        self._client = OneConnection(self._connection, seconds)
+
+    def write(self, request: Request) -> None:
+        """Write a request."""
+        words = encode_request(request)
+        _checked(self._client.write_registers(REQUEST_AT, words, device_id=self._unit))
+
+    def read(self) -> Reply:
+        """Read the latest reply."""
+        answer = self._client.read_holding_registers(REPLY_AT, count=REPLY_COUNT, device_id=self._unit)
+        return decode_reply(_checked(answer).registers)
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._connection.close()
+
+
+def _connected(options: ModbusOptions, seconds: float) -> socket.socket:
+    connection = socket.create_connection((options.host, options.port), timeout=seconds)
+    if options.allow_insecure:
+        return connection
+    try:
+        tls = context(ssl.PROTOCOL_TLS_CLIENT, options.certificate, options.private_key, options.trust)
+        return tls.wrap_socket(connection, server_hostname=options.server_name or options.host)
+    except BaseException:
+        connection.close()
+        raise
+
+
+def _checked(answer: ModbusPDU) -> ModbusPDU:
+    if answer.isError():
+        raise LinkError(f"the controller answered {answer}, expected registers; compare docs/fieldbus.md")
+    return answer

@@ -1,0 +1,29 @@
+"""Mutual TLS: each side shows a certificate that the other trusts."""
+
+import ssl
+from pathlib import Path
+
+from beltsort.drivers.fieldbus.trust import trusted
+
+
+def context(protocol: int, certificate: str, private_key: str, trust: str) -> ssl.SSLContext:
+    """Return a context for one side, `ssl.PROTOCOL_TLS_CLIENT` or `ssl.PROTOCOL_TLS_SERVER`.
+
+    Parameters
+    ----------
+    certificate, private_key
+        Of this side, PEM files.
+    trust
+        Folder of the certificates, .pem or .der, that the other side's must be one of or issued by.
+    """
+    made = ssl.SSLContext(protocol)
+    made.minimum_version = ssl.TLSVersion.TLSv1_2
+    made.verify_mode = ssl.CERT_REQUIRED
+    made.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN  # a certificate in the folder need not be a root
+    made.load_cert_chain(certificate, private_key)
+    for path in trusted(Path(trust)):
+        if path.suffix == ".pem":
+            made.load_verify_locations(cafile=path)
+        else:
+            made.load_verify_locations(cadata=path.read_bytes())
+    return made

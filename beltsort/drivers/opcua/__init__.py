@@ -1,0 +1,14 @@
+"""Belt and sorter over OPC UA, encrypted and signed; needs `pip install beltsort[opcua]`.
+
+`python -m beltsort.testing.opcua_server` is a reference server; `docs/fieldbus.md` specifies its nodes.
+"""
+
+import logging
+
+from beltsort.drivers.opcua.device import make
+from beltsort.drivers.opcua.options import OpcuaOptions
+
+__all__ = ["OpcuaOptions", "make"]
+
+# What goes wrong is told by `CommandError`; asyncua's own log is for whoever sets logging up.
+logging.getLogger("asyncua").addHandler(logging.NullHandler())

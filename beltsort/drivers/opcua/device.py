@@ -1,0 +1,30 @@
+"""The device that speaks OPC UA."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+from beltsort.drivers.fieldbus.device import FieldbusDevice
+from beltsort.drivers.fieldbus.link import require
+from beltsort.drivers.opcua.options import OpcuaOptions
+
+
+def make(options: OpcuaOptions, clock: Callable[[], float] = time.monotonic) -> FieldbusDevice:
+    """Return the belt and sorter behind an OPC UA server. It connects when first used.
+
+    Parameters
+    ----------
+    options
+        How the server is reached.
+    clock
+        The cell's clock, seconds.
+
+    Raises
+    ------
+    CellError
+        If asyncua is not installed.
+    """
+    require("asyncua", "opcua")
+    from beltsort.drivers.opcua.link import OpcuaLink  # now, so that no connection has to wait for it
+
+    return FieldbusDevice(partial(OpcuaLink, options), options.endpoint, options.answer_timeout, clock)

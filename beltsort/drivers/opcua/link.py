@@ -1,0 +1,96 @@
+"""One OPC UA session."""
+
+import asyncio
+from collections.abc import Coroutine
+from contextlib import suppress
+from pathlib import Path
+from threading import Thread
+from typing import Any, TypeVar
+
+from asyncua import ua
+from asyncua.client.client import Client
+from asyncua.crypto import security_policies
+from asyncua.crypto.validator import CertificateValidator, CertificateValidatorOptions
+
+from beltsort.drivers.fieldbus.pki import application_uri
+from beltsort.drivers.fieldbus.wire import Reply, Request
+from beltsort.drivers.opcua.nodes import NAMESPACE, REPLY, REQUEST, decode_reply, encode_request, node_id
+from beltsort.drivers.opcua.options import OpcuaOptions
+from beltsort.drivers.opcua.trust import trust_store
+
+Result = TypeVar("Result")
+
+SESSION_TIMEOUT = 60_000
+"""Milliseconds after which the server forgets a client that is gone."""
+
+
+class OpcuaLink:
+    """A session with an event loop and a thread of its own, so that giving it up disturbs nothing else.
+
+    Parameters
+    ----------
+    options
+        How the server is reached.
+    seconds
+        That each call may take.
+    """
+
+    def __init__(self, options: OpcuaOptions, seconds: float) -> None:
+        self._seconds = seconds
+        self._loop, self._over = asyncio.new_event_loop(), asyncio.Event()
+        self._client = Client(options.endpoint, timeout=seconds)
+        self._client.session_timeout = SESSION_TIMEOUT
+        Thread(target=self._live, name=options.endpoint, daemon=True).start()
+        try:
+            self._run(self._connect(options))
+        except BaseException:
+            self.close()
+            raise
+
+    def write(self, request: Request) -> None:
+        """Write a request; without a time stamp, since many controllers refuse one."""
+        value = ua.DataValue(ua.Variant(encode_request(request), ua.VariantType.Int64))
+        self._run(self._request.write_value(value))
+
+    def read(self) -> Reply:
+        """Read the latest reply."""
+        return decode_reply(self._run(self._client.read_values(self._reply)))
+
+    def close(self) -> None:
+        """End the session in the background; its thread ends with it."""
+        with suppress(RuntimeError):  # it is closed already
+            self._loop.call_soon_threadsafe(self._over.set)
+
+    def _live(self) -> None:
+        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
+            runner.run(self._until_over())
+
+    async def _until_over(self) -> None:
+        await self._over.wait()
+        with suppress(Exception):  # whoever hung up does not care how the other side takes it
+            await asyncio.wait_for(self._client.disconnect(), self._seconds)
+
+    async def _connect(self, options: OpcuaOptions) -> None:
+        if not options.allow_insecure:
+            await self._secure(options)
+        await self._client.connect()
+        index = await self._client.get_namespace_index(NAMESPACE)
+        self._request = self._client.get_node(node_id(index, REQUEST))
+        self._reply = [self._client.get_node(node_id(index, name)) for name in REPLY]
+
+    async def _secure(self, options: OpcuaOptions) -> None:
+        self._client.application_uri = application_uri(Path(options.certificate))
+        trust = await trust_store(Path(options.trust))
+        self._client.certificate_validator = CertificateValidator(
+            CertificateValidatorOptions.TRUSTED_VALIDATION | CertificateValidatorOptions.PEER_SERVER, trust
+        )
+        policy = getattr(security_policies, f"SecurityPolicy{options.policy}")
+        await self._client.set_security(policy, options.certificate, options.private_key)
+
+    def _run(self, coroutine: Coroutine[Any, Any, Result]) -> Result:
+        try:
+            future = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
+        except RuntimeError:  # disconnected: the loop is closed
+            coroutine.close()
+            raise
+        return future.result(self._seconds)

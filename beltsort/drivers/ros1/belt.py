@@ -1,0 +1,119 @@
+"""A belt that counts the objects at its end."""
+
+from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
+from beltsort.cell.protocols import NOWHERE
+from beltsort.drivers.ros.ledger import Ledger
+from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, News, Ros1Device, emergency_stop
+from beltsort.drivers.ros1.link import Deadline, Link
+from beltsort.drivers.ros1.options import Ros1BeltOptions
+from beltsort.errors import CellError
+
+
+class Ros1Belt(Ros1Device):
+    """A belt on ROS 1.
+
+    Its state has no stamp in ROS; the stop is taken to be when the report of it arrived.
+
+    Parameters
+    ----------
+    options
+        Its topics.
+    """
+
+    def __init__(self, options: Ros1BeltOptions) -> None:
+        link = Link(
+            options,
+            "belt",
+            publish={options.command_topic: "std_msgs/Int32", options.stop_topic: "std_msgs/Empty"},
+            subscribe={options.state_topic: "std_msgs/Int32", **emergency_stop(options)},
+        )
+        super().__init__(link, options.state_topic, emergency_stop_topic=options.emergency_stop_topic)
+        self._options = options
+        self._ledger = Ledger()
+
+    def position(self) -> int:
+        """Return the number of the object at the belt end, or `NOWHERE` while the belt moves.
+
+        Raises
+        ------
+        CommandError
+            If the belt reports nothing.
+        """
+        self.connect()
+        state = self._current(Deadline(HEALTH_TIMEOUT))
+        if state is None:
+            raise CommandError(
+                f"the belt reports nothing on {self._topic} within {HEALTH_TIMEOUT:g} s; start it",
+                Outcome.NOT_DONE,
+            )
+        return max(NOWHERE, int(state.message["data"]))
+
+    def stop(self) -> None:
+        """Tell the belt to stop."""
+        self.connect()
+        self._publish(self._options.stop_topic, {}, Deadline(HEALTH_TIMEOUT))
+
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
+        """Tell what became of a command, by the object at the belt end where no answer came."""
+        if command_id not in self._ledger:
+            return Outcome.UNKNOWN
+        command = self._ledger[command_id]
+        if command.outcome is not Outcome.UNKNOWN or not self._ledger.is_last(command_id):
+            return command.outcome
+        try:
+            self.connect()
+            state = self._current(Deadline(HEALTH_TIMEOUT))
+        except CellError:
+            return Outcome.UNKNOWN
+        arrived = state is not None and state.message["data"] == command.target
+        return Outcome.DONE if arrived else Outcome.UNKNOWN
+
+    def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
+        """Bring object number `index` of the run to the belt end; return the time of its stop there.
+
+        Seconds of ROS time.
+
+        Raises
+        ------
+        CommandError
+            If the belt is beyond it, cannot be reached, or does not report it in time.
+        """
+        return self._ledger.once("advance_to", index, command_id, lambda: self._advance(index, timeout))
+
+    def _advance(self, index: int, timeout: float) -> float:
+        deadline = Deadline(timeout)
+        self._link.connect(timeout)
+        state = self._current(deadline)
+        if state is None:
+            raise CommandError(
+                f"the belt reports nothing on {self._topic} within {timeout:g} s; start it", Outcome.NOT_DONE
+            )
+        self._check_emergency_stop(deadline, Outcome.NOT_DONE)
+        at = state.message["data"]
+        if at > index:
+            raise CommandError(
+                f"index is {index}, expected {at} (now at the belt end) or more; the belt moves forward only",
+                Outcome.NOT_DONE,
+            )
+        if at < index:
+            self._publish(self._options.command_topic, {"data": index}, deadline)
+            state = self._arrival(index, state, deadline, timeout)
+        return state.stamp
+
+    def _current(self, deadline: Deadline) -> News | None:
+        """Return the next report: the newest one may be a belt's that has been restarted since."""
+        newest = self._await(deadline, at_most=0.0)
+        return self._await(deadline, newest.number if newest else 0)
+
+    def _arrival(self, index: int, state: News, deadline: Deadline, timeout: float) -> News:
+        while state.message["data"] != index:
+            following = self._await(deadline, state.number)
+            self._check_emergency_stop(deadline, Outcome.UNKNOWN)
+            if following is None:
+                raise CommandError(
+                    f"the belt reported {state.message['data']} last, expected {index} within {timeout:g} s; "
+                    "look at the belt",
+                    Outcome.UNKNOWN,
+                )
+            state = following
+        return state

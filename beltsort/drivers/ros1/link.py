@@ -1,0 +1,132 @@
+"""The way to a node in another process: deadlines, and starting it anew."""
+
+import time
+from collections.abc import Iterable
+from threading import RLock
+from typing import Any
+from uuid import uuid4
+
+from beltsort.cell.commands import CommandError, Outcome
+from beltsort.drivers.ros1.master import Master
+from beltsort.drivers.ros1.options import Ros1Options
+from beltsort.drivers.ros1.process import Answer, NodeProcess
+
+MASTER_TIMEOUT = 2.0
+"""Seconds that the master may take to answer."""
+
+START_TIMEOUT = 20.0
+"""Seconds for a new node: rospy takes one on an idle computer."""
+
+GRACE = 1.0
+"""Seconds by which our node may miss a deadline, before it is taken to hang."""
+
+
+class Deadline:
+    """What is left of a timeout.
+
+    Examples
+    --------
+    >>> Deadline(10.0).left() <= 10.0
+    True
+    """
+
+    def __init__(self, timeout: float) -> None:
+        self._end = time.monotonic() + timeout
+
+    def left(self) -> float:
+        """Return the seconds that are left, 0 when it is over."""
+        return max(0.0, self._end - time.monotonic())
+
+
+class Link:
+    """One ROS 1 node, started when it is first needed and again when it or the master was restarted.
+
+    Parameters
+    ----------
+    options
+        Where the ROS 1 system is.
+    role
+        Part of the node's name.
+    publish, subscribe
+        Message type of each topic.
+    joints
+        Joint states that do not name all of these are passed over.
+    tf
+        Whether to listen to tf.
+    pose_age
+        How far from the time asked for a transform may be, seconds.
+    """
+
+    def __init__(
+        self,
+        options: Ros1Options,
+        role: str,
+        *,
+        publish: dict[str, str] | None = None,
+        subscribe: dict[str, str] | None = None,
+        joints: Iterable[str] = (),
+        tf: bool = False,
+        pose_age: float = 0.2,
+    ) -> None:
+        self.master = Master(options.master)
+        self._options, self._role = options, role
+        topics = {"publish": publish or {}, "subscribe": subscribe or {}}
+        self._setup = {**topics, "joints": sorted(joints), "tf": tf, "pose_age": pose_age}
+        self._lock = RLock()
+        self._process: NodeProcess | None = None
+
+    def connect(self, timeout: float = START_TIMEOUT) -> None:
+        """See to it that the node runs and the master knows it, in time.
+
+        Raises
+        ------
+        CommandError
+            `NOT_DONE` if the master does not answer, the node does not start, or rospy is missing.
+        """
+        with self._lock:
+            running, asking = self._process, min(MASTER_TIMEOUT, timeout)
+            if running is None or not running.alive() or not self._known(running, asking):
+                self.close()
+                deadline = Deadline(timeout)
+                self.master.identity(asking)  # rospy waits for a master without end
+                name = f"beltsort_{self._role}_{uuid4().hex[:8]}"
+                self._process = NodeProcess(self._options, {**self._setup, "name": name}, deadline.left())
+
+    def ask(self, request: str, timeout: float, **arguments: Any) -> Answer:
+        """Ask the node; connect first.
+
+        Raises
+        ------
+        CommandError
+            `UNKNOWN` if it does not answer in time, or died.
+        CellError
+            What the node refused, in its words.
+        """
+        process = self._process
+        if process is None:
+            raise CommandError(
+                f"the ROS node {self._role!r} is not connected; call connect()", Outcome.NOT_DONE
+            )
+        return process.ask(request, timeout, **arguments)
+
+    def newest(
+        self, topic: str, deadline: Deadline, *, after: int = 0, wait: float = 0.0, not_before: float = 0.0
+    ) -> Answer:
+        """Return the newest message of `topic` beyond number `after`; its "message" is None if none came.
+
+        Waits for it, at most to the deadline. A message with a stamp earlier than `not_before` comes without
+        its bytes.
+        """
+        left = deadline.left()
+        asked = {"topic": topic, "after": after, "wait": min(wait, left), "not_before": not_before}
+        return self.ask("newest", left + GRACE, **asked)
+
+    def close(self) -> None:
+        """End the node."""
+        with self._lock:
+            if self._process is not None:
+                self._process.end()
+                self._process = None
+
+    def _known(self, process: NodeProcess, timeout: float) -> bool:
+        return self.master.node_uri(f"/{process.name}", timeout) == process.uri

@@ -1,0 +1,153 @@
+"""The process in which rospy runs: requests to it, and its answers."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+from concurrent.futures import Future, wait
+from contextlib import suppress
+from itertools import count
+from multiprocessing.connection import Connection
+from threading import Lock, Thread
+from typing import Any, NamedTuple
+
+from beltsort.cell.commands import CommandError, Outcome
+from beltsort.drivers.ros1.options import Ros1Options
+from beltsort.errors import CellError
+
+PACKAGES = "on Debian, run scripts/bootstrap, or sudo apt-get install python3-rospy python3-tf2-msgs"
+
+
+class Answer(NamedTuple):
+    """What the node said: plain values, and the bytes of a point cloud."""
+
+    values: dict[str, Any]
+    data: bytes
+
+
+class NodeProcess:
+    """A running node.
+
+    Parameters
+    ----------
+    options
+        Where the ROS 1 system is.
+    setup
+        The node's name, its topics and types, and what it keeps of tf.
+    timeout
+        Seconds that the start may take.
+
+    Raises
+    ------
+    CommandError
+        `NOT_DONE` if it does not start in time, or rospy is missing.
+    """
+
+    def __init__(self, options: Ros1Options, setup: dict[str, Any], timeout: float) -> None:
+        self.name: str = setup["name"]
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "beltsort.drivers.ros1.node", str(theirs.fileno())],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                env=_environment(options),
+                start_new_session=True,  # Control-C is for us: stopping a device needs its node
+            )
+        self._connection = Connection(ours.detach())
+        self._sending, self._numbers = Lock(), count(1)
+        ready: Future[Answer] = Future()
+        self._waiting: dict[int, Future[Answer]] = {0: ready}
+        Thread(target=self._receive, name=self.name, daemon=True).start()
+        try:
+            self._send(setup)
+            started = self._started(ready, timeout)
+        except BaseException:
+            self.end(patience=0.0)
+            raise
+        if "missing" in started:
+            self.end()
+            raise CommandError(
+                f"ROS 1 needs rospy, which cannot be loaded ({started['missing']}); {PACKAGES}",
+                Outcome.NOT_DONE,
+            )
+        self.uri: str = started["uri"]
+
+    def _started(self, ready: "Future[Answer]", timeout: float) -> dict[str, Any]:
+        try:
+            return self._result(ready, timeout, "starting").values
+        except CommandError as reason:
+            raise CommandError(f"{reason}; connect() waits as long as it takes", Outcome.NOT_DONE) from reason
+
+    def alive(self) -> bool:
+        """Tell whether the process runs."""
+        return not self._connection.closed and self._process.poll() is None
+
+    def ask(self, request: str, timeout: float, **arguments: Any) -> Answer:
+        """Send a request and wait for its answer; one that is late is dropped."""
+        number, future = next(self._numbers), Future[Answer]()
+        self._waiting[number] = future
+        try:
+            self._send({"number": number, "name": request, **arguments})
+            answer = self._result(future, timeout, request)
+        finally:
+            self._waiting.pop(number, None)
+        if "error" in answer.values:
+            raise CellError(answer.values["error"])
+        return answer
+
+    def end(self, patience: float = 2.0) -> None:
+        """Close the socket, with which the process ends; kill it if it does not in `patience` seconds."""
+        with suppress(OSError):
+            socket.socket(fileno=os.dup(self._connection.fileno())).shutdown(socket.SHUT_RDWR)
+        try:
+            self._process.wait(patience)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def _send(self, message: dict[str, Any]) -> None:
+        try:
+            with self._sending:
+                self._connection.send_bytes(json.dumps(message).encode())
+        except OSError as reason:
+            raise CommandError(f"the ROS node {self.name} has ended; try again", Outcome.NOT_DONE) from reason
+
+    def _receive(self) -> None:
+        try:
+            while True:
+                values = json.loads(self._connection.recv_bytes())
+                data = self._connection.recv_bytes()
+                future = self._waiting.get(values.pop("id"))
+                if future is not None:
+                    future.set_result(Answer(values, data))
+        except (EOFError, OSError):
+            for future in list(self._waiting.values()):
+                if not future.done():
+                    future.set_exception(EOFError("its process ended"))
+        self._connection.close()
+
+    def _result(self, future: Future[Answer], timeout: float, what: str) -> Answer:
+        wait([future], timeout)
+        if not future.done():
+            raise CommandError(
+                f"the ROS node {self.name} did not answer ({what}) within {timeout:.3g} s; try again",
+                Outcome.UNKNOWN,
+            )
+        try:
+            return future.result()
+        except EOFError as reason:
+            raise CommandError(
+                f"the ROS node {self.name} ended while it was asked ({what}); its last words are on standard "
+                "error, try again",
+                Outcome.UNKNOWN,
+            ) from reason
+
+
+def _environment(options: Ros1Options) -> dict[str, str]:
+    """Return the environment of a node: our packages, and where ROS is."""
+    path = os.pathsep.join(entry or os.curdir for entry in sys.path)
+    ros = {"ROS_MASTER_URI": options.master, "ROS_IP": options.address, "ROS_HOSTNAME": options.address}
+    return {**os.environ, "PYTHONPATH": path, **ros}

@@ -1,0 +1,147 @@
+"""A sorter that keeps a record of command ids."""
+
+from itertools import count, takewhile
+
+from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
+from beltsort.drivers.ros.ledger import Ledger
+from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, News, Ros1Device, emergency_stop
+from beltsort.drivers.ros1.link import Deadline, Link
+from beltsort.drivers.ros1.options import Ros1SorterOptions
+from beltsort.drivers.ros1.status import REFUSED, RUNNING, SUCCEEDED
+from beltsort.errors import CellError
+
+
+class Ros1Sorter(Ros1Device):
+    """A sorter on ROS 1.
+
+    A sort must not be repeated blindly, so the sorter itself has to remember what it was told: it acts on a
+    key once, and reports what became of it. A key is the command's id and the number of the attempt, as
+    "id/1"; a command that was refused is sent again as the next attempt.
+
+    Parameters
+    ----------
+    options
+        Its topics.
+    """
+
+    def __init__(self, options: Ros1SorterOptions) -> None:
+        link = Link(
+            options,
+            "sorter",
+            publish={options.command_topic: "diagnostic_msgs/KeyValue", options.stop_topic: "std_msgs/Empty"},
+            subscribe={options.state_topic: "actionlib_msgs/GoalStatusArray", **emergency_stop(options)},
+        )
+        super().__init__(link, options.state_topic, emergency_stop_topic=options.emergency_stop_topic)
+        self._options = options
+        self._ledger = Ledger()
+        self._boot_ids: dict[str, str] = {}
+        """Of the sorter, when each command was first sent."""
+
+    def stop(self) -> None:
+        """Tell the sorter to stop."""
+        self.connect()
+        self._publish(self._options.stop_topic, {}, Deadline(HEALTH_TIMEOUT))
+
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
+        """Tell what became of a command, by the sorter's record where no answer came."""
+        if command_id in self._ledger and self._ledger[command_id].outcome is not Outcome.UNKNOWN:
+            return self._ledger[command_id].outcome
+        try:
+            self.connect()
+            news = self._await(Deadline(HEALTH_TIMEOUT))
+        except CellError:
+            return Outcome.UNKNOWN
+        statuses = _statuses(news)
+        attempts = takewhile(statuses.__contains__, (f"{command_id}/{number}" for number in count(1)))
+        told = [statuses[key][0] for key in attempts]
+        return _outcome(told[-1]) if told else Outcome.UNKNOWN
+
+    def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
+        """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`.
+
+        Raises
+        ------
+        CommandError
+            If the sorter refuses it, cannot be reached, or does not report its end in time. A command whose
+            outcome is unknown is not sent again to a sorter that was restarted.
+        """
+        unsettled = command_id in self._ledger and self._ledger[command_id].outcome is Outcome.UNKNOWN
+
+        def act() -> float:
+            return self._sort(label, command_id, timeout, unsettled)
+
+        self._ledger.once("sort", label, command_id, act)
+
+    def _sort(self, label: int, command_id: str, timeout: float, unsettled: bool) -> float:
+        deadline = Deadline(timeout)
+        try:
+            key = self._send(label, command_id, deadline, unsettled)
+        except CommandError as failure:
+            if unsettled:  # an earlier attempt may have acted, whatever hinders this one
+                failure.outcome = Outcome.UNKNOWN
+            raise
+        return self._end(key, deadline, timeout)
+
+    def _send(self, label: int, command_id: str, deadline: Deadline, unsettled: bool) -> str:
+        """Send a command to a sorter that is well; return the key."""
+        self._link.connect(deadline.left())
+        health = self.health()
+        if not health.ready:
+            kind = EmergencyStopError if health.emergency_stop else CommandError
+            raise kind(f"the sorter takes no commands: {health.fault}", Outcome.NOT_DONE)
+        if not unsettled:
+            self._boot_ids.pop(command_id, None)
+        if self._boot_ids.setdefault(command_id, health.boot_id) != health.boot_id:
+            raise CommandError(
+                f"command {command_id!r} was sent before the sorter was restarted, which has forgotten it; "
+                "look where the object is, and go on under a new id",
+                Outcome.UNKNOWN,
+            )
+        key = _key(command_id, _statuses(self._await(deadline)))
+        self._publish(self._options.command_topic, {"key": key, "value": str(label)}, deadline)
+        return key
+
+    def _end(self, key: str, deadline: Deadline, timeout: float) -> float:
+        """Return when the sorter reported that a command is done."""
+        number = 0
+        while (news := self._await(deadline, number)) is not None:
+            number = news.number
+            status, text = _statuses(news).get(key, (None, ""))
+            if status == SUCCEEDED:
+                return news.stamp
+            if status in REFUSED:
+                raise CommandError(
+                    f"the sorter refused {key!r}: {text}; mend that and repeat", Outcome.NOT_DONE
+                )
+            if status is not None and status not in RUNNING:
+                raise CommandError(
+                    f"the sorter broke {key!r} off ({status}): {text}; look where the object is",
+                    Outcome.BROKEN_OFF,
+                )
+            self._check_emergency_stop(deadline, Outcome.UNKNOWN)
+        raise CommandError(
+            f"the sorter reported no end of {key!r} on {self._topic} within {timeout:g} s; look at it and "
+            "ask it what became of the command",
+            Outcome.UNKNOWN,
+        )
+
+
+def _statuses(news: News | None) -> dict[str, tuple[int, str]]:
+    """Return the status and its explanation of each key that the sorter remembers."""
+    listed = [] if news is None else news.message["status_list"]
+    return {entry["goal_id"]["id"]: (entry["status"], entry["text"]) for entry in listed}
+
+
+def _outcome(status: int) -> Outcome:
+    """Return what a key's status means."""
+    if status == SUCCEEDED:
+        return Outcome.DONE
+    if status in RUNNING:
+        return Outcome.RUNNING
+    return Outcome.NOT_DONE if status in REFUSED else Outcome.BROKEN_OFF
+
+
+def _key(command_id: str, statuses: dict[str, tuple[int, str]]) -> str:
+    """Return the key of a command's first attempt that was not refused."""
+    attempts = (f"{command_id}/{number}" for number in count(1))
+    return next(key for key in attempts if statuses.get(key, (None, ""))[0] not in REFUSED)

@@ -1,0 +1,128 @@
+"""A reference OPC UA server: `python -m beltsort.testing.opcua_server --pki FOLDER`.
+
+It prints one line of JSON with its endpoint, takes an operator's buttons from standard input, and ends when
+that ends.
+"""
+
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+from asyncua import ua
+from asyncua.common.node import Node
+from asyncua.crypto.permission_rules import User, UserRole
+from asyncua.crypto.truststore import TrustStore
+from asyncua.server.server import Server
+from asyncua.server.user_managers import UserManager
+from cryptography import x509
+
+from beltsort.drivers.fieldbus.loopback import check_loopback
+from beltsort.drivers.fieldbus.pki import Identity, application_uri, identity
+from beltsort.drivers.fieldbus.wire import Reply, Request, Verb
+from beltsort.drivers.opcua.nodes import (
+    FOLDER,
+    NAMESPACE,
+    REPLY,
+    REQUEST,
+    decode_request,
+    encode_reply,
+    encode_request,
+    node_id,
+)
+from beltsort.drivers.opcua.trust import trust_store
+from beltsort.testing.serving import Panel, free_port, parser, run, serve
+
+SECURE = [
+    ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt,
+    ua.SecurityPolicyType.Aes128Sha256RsaOaep_SignAndEncrypt,
+    ua.SecurityPolicyType.Aes256Sha256RsaPss_SignAndEncrypt,
+]
+
+
+class TrustedPeers(UserManager):
+    """Lets in whoever opened the secure channel with a trusted certificate.
+
+    asyncua's own validator looks at the certificate that a client claims in the session, which it may leave
+    out; the channel's is the one whose private key it has shown to have.
+    """
+
+    def __init__(self, trust: TrustStore) -> None:
+        self._trust = trust
+
+    def get_user(self, *_: Any, **claims: Any) -> User | None:
+        """Return what the peer may do, or None."""
+        certificate = claims["certificate"]
+        if certificate is None or not self._trust.validate(x509.load_der_x509_certificate(certificate)):
+            return None
+        return User(role=UserRole.User, name="client")
+
+
+class Nodes:
+    """The nodes of the protocol on a server."""
+
+    def __init__(self, request: Node, reply: list[Node]) -> None:
+        self._request = request
+        self._reply = reply
+
+    async def request(self) -> Request | None:
+        """Return what the client wrote last, or None if it is no request."""
+        return decode_request(await self._request.read_value())
+
+    async def publish(self, reply: Reply) -> None:
+        """Show the client a reply; the acknowledgement comes last."""
+        for node, value in reversed(list(zip(self._reply, encode_reply(reply), strict=True))):
+            await node.write_value(value, _type_of(value))
+
+
+def _type_of(value: Any) -> ua.VariantType:
+    return ua.VariantType.Boolean if isinstance(value, bool) else ua.VariantType.Int64
+
+
+async def build(server: Server, reply: Reply) -> Nodes:
+    """Put the nodes on a server."""
+    index = await server.register_namespace(NAMESPACE)
+    folder = await server.nodes.objects.add_object(f"ns={index};s={FOLDER}", FOLDER)
+
+    async def variable(name: str, value: Any) -> Node:
+        return await folder.add_variable(node_id(index, name), name, value, _type_of(value))
+
+    request = await variable(REQUEST, encode_request(Request(reply.sequence, Verb.LOOK)))
+    await request.set_writable()
+    values = zip(REPLY, encode_reply(reply), strict=True)
+    return Nodes(request, [await variable(name, value) for name, value in values])
+
+
+async def secured(own: Identity) -> Server:
+    """Return a server that only trusted clients can use."""
+    server = Server(user_manager=TrustedPeers(await trust_store(own.trust)))
+    await server.init()
+    await server.set_application_uri(application_uri(own.certificate))
+    await server.load_certificate(str(own.certificate))
+    await server.load_private_key(str(own.private_key))
+    server.set_security_policy(SECURE)
+    server.set_identity_tokens([ua.AnonymousIdentityToken])
+    return server
+
+
+async def insecure(host: str) -> Server:
+    """Return a server without security, for this computer only."""
+    check_loopback(host)
+    server = Server()
+    await server.init()
+    server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
+    return server
+
+
+async def main(arguments: Namespace) -> None:
+    """Serve until standard input ends."""
+    server = await (secured(identity(Path(arguments.pki))) if arguments.pki else insecure(arguments.host))
+    endpoint = f"opc.tcp://{arguments.host}:{free_port(arguments)}/beltsort"
+    server.set_endpoint(endpoint)
+    panel = Panel(arguments)
+    nodes = await build(server, panel.shown())
+    async with server:
+        await serve(nodes, panel, {"endpoint": endpoint})
+
+
+if __name__ == "__main__":
+    run(main(parser("beltsort.testing.opcua_server", "A reference OPC UA server.").parse_args()))

@@ -1,0 +1,166 @@
+"""What the reference servers share: command line, operator's panel, and the cycle of the controller."""
+
+import asyncio
+import json
+import secrets
+import socket
+import sys
+import time
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Coroutine
+from threading import Thread
+from typing import Any, Protocol
+
+from beltsort.drivers.fieldbus.wire import COMMANDS, Reply, Request, Verb
+from beltsort.errors import CellError
+from beltsort.testing.controller import Controller, Machine, Mishap
+
+CYCLE = 0.002
+"""Seconds between two looks for a request."""
+
+SLOW = 4.0
+"""Seconds by which the button `slow` delays the next command."""
+
+
+class Image(Protocol):
+    """The memory that client and controller share over a fieldbus."""
+
+    async def request(self) -> Request | None:
+        """Return what the client wrote last, or None if it is no request."""
+
+    async def publish(self, reply: Reply) -> None:
+        """Show the client a reply, all of it at once."""
+
+
+def parser(program: str, what: str) -> ArgumentParser:
+    """Return a parser of the options that every reference server has."""
+    arguments = ArgumentParser(prog=f"python -m {program}", description=what)
+    arguments.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
+    arguments.add_argument("--port", type=int, default=0, help="0: any free one (default: %(default)s)")
+    arguments.add_argument("--pki", metavar="FOLDER", help="own key and certificate, and those trusted")
+    arguments.add_argument(
+        "--home", type=int, metavar="INDEX", help="object at the belt end (default: unknown)"
+    )
+    arguments.add_argument("--bins", type=int, default=Machine.bins, help="default: %(default)s")
+    arguments.add_argument(
+        "--capacity", type=int, default=Machine.capacity, help="objects per bin (default: %(default)s)"
+    )
+    arguments.add_argument(
+        "--speed", type=float, default=1.0, help="divides all durations (default: %(default)s)"
+    )
+    return arguments
+
+
+def free_port(arguments: Namespace) -> int:
+    """Return the port of the command line, or a free one."""
+    with socket.create_server((arguments.host, arguments.port)) as probe:
+        port: int = probe.getsockname()[1]
+    return port
+
+
+class Panel:
+    """The controller behind its operator's panel, which also plays tricks on tests.
+
+    Parameters
+    ----------
+    arguments
+        Of the command line (`parser`).
+
+    Attributes
+    ----------
+    boot
+        Changes with every start.
+    """
+
+    def __init__(self, arguments: Namespace) -> None:
+        self.boot = secrets.randbelow(2**32 - 1) + 1
+        machine = Machine(
+            bins=arguments.bins,
+            capacity=arguments.capacity,
+            advance_seconds=Machine.advance_seconds / arguments.speed,
+            sort_seconds=Machine.sort_seconds / arguments.speed,
+        )
+        self._controller = Controller(machine, self.boot, time.monotonic)
+        if arguments.home is not None:
+            self._controller.home(arguments.home)
+        self._losing = False
+        self._buttons: dict[str, Callable[[], object]] = {
+            "press": self._controller.press,
+            "release": self._controller.release,
+            "stick": lambda: self._controller.suffer(Mishap.STUCK),
+            "overshoot": lambda: self._controller.suffer(Mishap.OVERSHOT),
+            "slow": lambda: self._controller.delay(SLOW),
+            "fill": self._controller.fill,
+            "empty": self._controller.empty,
+            "lose": self._lose,
+            "look": lambda: None,
+        }
+
+    def push(self, button: str) -> dict[str, object]:
+        """Push a button; return what the panel shows then."""
+        if button not in self._buttons:
+            return {"error": f"button is {button!r}, expected one of {', '.join(self._buttons)}"}
+        self._buttons[button]()
+        reply = self.shown()
+        return {"button": button, "position": reply.position, "bins": reply.bins, "ready": reply.ready}
+
+    def shown(self) -> Reply:
+        """Return the controller's state as a client finds it before it has asked anything."""
+        return self._controller.answer(Request(self._controller.sequence, Verb.LOOK))
+
+    async def cycle(self, image: Image) -> None:
+        """Answer requests until cancelled."""
+        await image.publish(self.shown())
+        while True:
+            request = await image.request()
+            if request is not None and self._controller.is_new(request):
+                reply = self._controller.answer(request)
+                if not self._loses(request):
+                    await image.publish(reply)
+            await asyncio.sleep(CYCLE)
+
+    def _lose(self) -> None:
+        """Act on the next command without acknowledging it."""
+        self._losing = True
+
+    def _loses(self, request: Request) -> bool:
+        if not self._losing or request.verb not in COMMANDS:
+            return False
+        self._losing = False
+        return True
+
+
+async def serve(image: Image, panel: Panel, announcement: dict[str, object]) -> None:
+    """Announce the server on standard output and answer requests until standard input ends.
+
+    Each line of standard input is a button of the panel.
+    """
+    cycle = asyncio.create_task(panel.cycle(image))
+    loop, ended = asyncio.get_running_loop(), asyncio.Event()
+
+    def push(button: str) -> None:
+        _say(panel.push(button))
+
+    def read_panel() -> None:
+        for line in sys.stdin:
+            loop.call_soon_threadsafe(push, line.strip())
+        loop.call_soon_threadsafe(ended.set)
+
+    _say({**announcement, "boot_id": f"{panel.boot:08x}"})
+    Thread(target=read_panel, daemon=True).start()
+    until = asyncio.create_task(ended.wait())
+    await asyncio.wait([cycle, until], return_when=asyncio.FIRST_COMPLETED)
+    if cycle.done():
+        cycle.result()
+
+
+def run(main: Coroutine[Any, Any, None]) -> None:
+    """Run a server; what it cannot do ends it with one line."""
+    try:
+        asyncio.run(main)
+    except CellError as failure:
+        raise SystemExit(str(failure)) from failure
+
+
+def _say(line: dict[str, object]) -> None:
+    print(json.dumps(line), flush=True)
