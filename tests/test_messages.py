@@ -14,9 +14,9 @@ import pytest
 
 import beltsort
 from beltsort.cell.commands import CommandError
-from beltsort.cell.description import CellDescription
-from beltsort.cell.problems import CellFileError
 from beltsort.cell.simulated import SimulatedCell
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.problems import CellFileError
 from beltsort.cli import main
 from beltsort.drivers.opcua import OpcuaOptions
 from beltsort.errors import (

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from beltsort import BeltsortError, __version__
 from beltsort.cell.commands import CommandError, EmergencyStopError
-from beltsort.cell.problems import CellFileError
+from beltsort.cellfile.problems import CellFileError
 from beltsort.cli import (
     bench,
     calibrate_check,

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from beltsort.cell.composed import ComposedCell
-    from beltsort.cell.description import CellDescription
+    from beltsort.cellfile.composed import ComposedCell
+    from beltsort.cellfile.description import CellDescription
 
 
 def add_cell(parser: ArgumentParser) -> None:

@@ -9,9 +9,9 @@ from beltsort.cli.exit_codes import EXCEEDED
 from beltsort.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
-    from beltsort.cell.check import CellCheck, View
-    from beltsort.cell.composed import ComposedCell
     from beltsort.cell.wrappers.recorder import Recorded
+    from beltsort.cellfile.check import CellCheck, View
+    from beltsort.cellfile.composed import ComposedCell
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -32,9 +32,9 @@ def run(arguments: Namespace) -> int:
     """Run the command."""
     from rich.console import Console
 
-    from beltsort.cell.check import check_cell
-    from beltsort.cell.composed import compose
-    from beltsort.cell.description import CellDescription
+    from beltsort.cellfile.check import check_cell
+    from beltsort.cellfile.composed import compose
+    from beltsort.cellfile.description import CellDescription
     from beltsort.sorting.locks import devices_locked
 
     console = Console(stderr=True, highlight=False, soft_wrap=True)

@@ -26,9 +26,9 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Home the belt."""
-    from beltsort.cell.composed import compose
-    from beltsort.cell.description import CellDescription
-    from beltsort.cell_run import home
+    from beltsort.cellfile.composed import compose
+    from beltsort.cellfile.description import CellDescription
+    from beltsort.cellfile.run import home
     from beltsort.sorting.locks import devices_locked
 
     if arguments.object < 0:

@@ -20,8 +20,8 @@ from beltsort.sorting.runs import JOURNAL
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from beltsort.cell.description import CellDescription
-    from beltsort.cell_run import CellRun
+    from beltsort.cellfile.description import CellDescription
+    from beltsort.cellfile.run import CellRun
     from beltsort.sorting.progress import Progress
     from beltsort.sorting.report import SortingReport
 
@@ -58,7 +58,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run the command."""
-    from beltsort.cell_run import as_json, open_run
+    from beltsort.cellfile.run import as_json, open_run
     from beltsort.cli.console import LastingConsole, discard
     from beltsort.sorting.runs import make_folder
 
@@ -186,7 +186,7 @@ def words_to_resume(arguments: Namespace, opened: "CellRun") -> list[str]:
 
 def described(arguments: Namespace) -> "CellDescription":
     """Read the cell file, with the number of objects that was asked for."""
-    from beltsort.cell.description import CellDescription
+    from beltsort.cellfile.description import CellDescription
 
     description = CellDescription.load(arguments.cell)
     first = arguments.first_object

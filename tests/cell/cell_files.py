@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from beltsort.cell.composed import ComposedCell, compose
-from beltsort.cell.description import CellDescription
+from beltsort.cellfile.composed import ComposedCell, compose
+from beltsort.cellfile.description import CellDescription
 
 NOTHING_SIMULATED = (
     ('"simulated"', '"dry-run"'),

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort.cell.composed import compose
-from beltsort.cell.consistency import contradictions
-from beltsort.cell.description import CellDescription
-from beltsort.cell.validation import validated
+from beltsort.cellfile.composed import compose
+from beltsort.cellfile.consistency import contradictions
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.validation import validated
 from beltsort.errors import CellError
 from tests.cell.cell_files import EXAMPLE
 from tests.cell.test_cell_docs import TOML

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from beltsort.cell import CommandError, Scan
-from beltsort.cell.composed import ComposedCell
-from beltsort.cell.dry_run import EmptyBeltCamera
-from beltsort.cell.registry import BUILT_IN, Backend
+from beltsort.cellfile.composed import ComposedCell
+from beltsort.cellfile.dry_run import EmptyBeltCamera
+from beltsort.cellfile.registry import BUILT_IN, Backend
 from beltsort.errors import CellError
 from tests.cell.cell_files import composed, described
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.cell import sections
-from beltsort.cell.composed import compose
-from beltsort.cell.description import CellDescription
-from beltsort.cell.registry import BUILT_IN
-from beltsort.cell.validation import Section, validated
+from beltsort.cellfile import sections
+from beltsort.cellfile.composed import compose
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.registry import BUILT_IN
+from beltsort.cellfile.validation import Section, validated
 from beltsort.testing.fault_kinds import Fault
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.cell.check import check_cell
-from beltsort.cell.sections import CheckLimits
 from beltsort.cell.wrappers.recorder import Recorded
+from beltsort.cellfile.check import check_cell
+from beltsort.cellfile.sections import CheckLimits
 from tests.cell.cell_files import composed, described
 
 FAULTS = "[faults]\nschedule = [{{command = {command}, number = {number}, kind = {kind}}}]\n[planner]"

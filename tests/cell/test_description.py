@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort.cell.composed import compose
-from beltsort.cell.description import CellDescription
 from beltsort.cell.frames import from_matrix, from_quaternion
-from beltsort.cell.problems import CellFileError
 from beltsort.cell.simulated import CellConfig
+from beltsort.cellfile.composed import compose
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.problems import CellFileError
 from beltsort.geometry import BeltLayout
 from beltsort.sorting.rules import Rules
 from beltsort.viewpoints import map_viewpoints

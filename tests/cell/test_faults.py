@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
-from beltsort.cell.composed import ComposedCell
 from beltsort.cell.wrappers.wrapped import WrappedSorter
+from beltsort.cellfile.composed import ComposedCell
 from beltsort.testing.fault_kinds import COMMANDS, Fault
 from beltsort.testing.faults import FaultPlan, Faults
 from tests.cell.cell_files import composed

@@ -11,15 +11,15 @@ import pytest
 
 from beltsort.cell import Cell, Scan
 from beltsort.cell.arrival import Deviation, deviation
-from beltsort.cell.check import check_cell
-from beltsort.cell.composed import ComposedCell
-from beltsort.cell.description import CellDescription
 from beltsort.cell.frames import from_quaternion
 from beltsort.cell.placement import Placement
-from beltsort.cell.registry import BUILT_IN, Backend
-from beltsort.cell.sections import CheckLimits
 from beltsort.cell.simulated import CellConfig, SimulatedCell
 from beltsort.cell.simulated.rotations import rotation
+from beltsort.cellfile.check import check_cell
+from beltsort.cellfile.composed import ComposedCell
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.registry import BUILT_IN, Backend
+from beltsort.cellfile.sections import CheckLimits
 from beltsort.geometry import Pose, transform
 from beltsort.perception import NearestNeighbour, Perception
 from beltsort.tables.collect import collect_training

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beltsort.cell import Cell, CommandError, Outcome, registry
-from beltsort.cell.problems import CellFileError
+from beltsort.cell import Cell, CommandError, Outcome
 from beltsort.cell.protocols import Health
-from beltsort.cell.registry import BUILT_IN, ROLES, Backend, backend
 from beltsort.cell.wrappers.recorder import Recorded
+from beltsort.cellfile import registry
+from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.registry import BUILT_IN, ROLES, Backend, backend
 from beltsort.geometry import transform
 from tests.cell.cell_files import NOTHING_SIMULATED, composed
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.cell.problems import CellFileError
-from beltsort.cell.validation import validated
+from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.validation import validated
 from beltsort.errors import CellError
 
 

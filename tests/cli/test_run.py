@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.cell.registry import BUILT_IN
 from beltsort.cell.simulated import CellConfig
-from beltsort.cell.simulated.backend import BACKEND
+from beltsort.cellfile.registry import BUILT_IN
+from beltsort.cellfile.simulated import BACKEND
 from beltsort.cli import exit_codes, main
 from beltsort.perception import NearestNeighbour
 from beltsort.sorting.journal import read_journal
@@ -162,7 +162,7 @@ def test_a_cell_prepares_itself(
         database = NearestNeighbour.load(folder / "cell" / "classifier.npz")
         return Prepared(database, count(looks, 2, 3, 4), 20, {}, "cache")
 
-    monkeypatch.setattr("beltsort.cell_run.prepare", prepare)
+    monkeypatch.setattr("beltsort.cellfile.run.prepare", prepare)
     path = str(changed(folder, (PREPARE, PREPARE.replace("40", "7"))))
     assert main(["run", path, "--objects", "1", "--json"]) == 0
     assert len(result_of(capsys)["decisions"]) == 1

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from beltsort.cell import Scan
-from beltsort.cell.dry_run import OVERHEAD, Absent, EmptyBeltCamera
 from beltsort.cell.simulated import Camera, CellConfig, SimulatedCell
 from beltsort.cell.wrappers.dry_run import DryRun
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
+from beltsort.cellfile.dry_run import OVERHEAD, Absent, EmptyBeltCamera
 from beltsort.drivers.replay import Replay
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout

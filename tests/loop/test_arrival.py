@@ -11,9 +11,9 @@ import pytest
 import beltsort
 from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
-from beltsort.cell.composed import ComposedCell
 from beltsort.cell.simulated import CellConfig
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
+from beltsort.cellfile.composed import ComposedCell
 from beltsort.cli.narrate import Narrator
 from beltsort.errors import CellError
 from beltsort.sorting.journal import Entry, Journal, read_journal

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 import beltsort
-from beltsort.cell.composed import ComposedCell
 from beltsort.cell.simulated import ArmErrors, CellConfig, SimulatedCell
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
+from beltsort.cellfile.composed import ComposedCell
 from beltsort.perception import Perception
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import sort_objects

@@ -8,7 +8,7 @@ import pytest
 import beltsort
 from beltsort.cell import Scan
 from beltsort.cell.simulated import CellConfig, SimulatedCell
-from beltsort.cell_run import restore
+from beltsort.cellfile.run import restore
 from beltsort.sorting.journal import Entry, Journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.record import progress_in

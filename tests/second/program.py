@@ -14,8 +14,8 @@ import numpy as np
 
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
-from beltsort.cell.composed import ComposedCell
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
+from beltsort.cellfile.composed import ComposedCell
 from beltsort.drivers.fieldbus import FieldbusDevice
 from beltsort.drivers.modbus import ModbusOptions, make
 from beltsort.drivers.opcua import OpcuaOptions

@@ -12,8 +12,8 @@ import pytest
 import beltsort
 from beltsort.cell import EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
-from beltsort.cell.composed import ComposedCell
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
+from beltsort.cellfile.composed import ComposedCell
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
 from beltsort.models import paper

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from beltsort import Despot, SortingModel
-from beltsort.cell.check import CellCheck, ask_health
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
-from beltsort.cell.composed import ComposedCell, compose
-from beltsort.cell.description import CellDescription
-from beltsort.cell.problems import CellFileError
 from beltsort.cell.protocols import NOWHERE, Homing, Restorable, TellsPosition
-from beltsort.cell.simulated.backend import trainable_config
+from beltsort.cellfile.check import CellCheck, ask_health
+from beltsort.cellfile.composed import ComposedCell, compose
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.simulated import trainable_config
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody

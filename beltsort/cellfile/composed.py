@@ -5,10 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from beltsort.cell.description import CellDescription
-from beltsort.cell.problems import CellFileError, raise_all
 from beltsort.cell.protocols import Arm, Belt, DepthCamera, FollowsBelt, Sorter
-from beltsort.cell.registry import ROLES, Backend, backend
 from beltsort.cell.wrappers.bins import Bins
 from beltsort.cell.wrappers.camera_poses import CameraPoses
 from beltsort.cell.wrappers.deadlines import Deadlines
@@ -24,6 +21,9 @@ from beltsort.cell.wrappers.wrapped import (
     WrappedSorter,
     chained,
 )
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.problems import CellFileError, raise_all
+from beltsort.cellfile.registry import ROLES, Backend, backend
 from beltsort.geometry import BeltLayout, Pose
 from beltsort.testing.faults import Faults
 

@@ -7,7 +7,7 @@ from pydantic import Field, FiniteFloat, NonNegativeInt, PositiveFloat, Positive
 
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.frames import from_matrix, from_quaternion
-from beltsort.cell.validation import Section
+from beltsort.cellfile.validation import Section
 from beltsort.geometry import Pose, look_at, on_sphere
 from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beltsort.cell.description import CellDescription
 from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
-from beltsort.cell.registry import Backend, backend_of
 from beltsort.cell.simulated.sensor import Camera
 from beltsort.cell.wrappers.dry_run import DryRun
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedSorter
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.registry import Backend, backend_of
 from beltsort.geometry import Pose, look_at
 
 log = logging.getLogger(__name__)

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from beltsort.cell.problems import Problem
+from beltsort.cellfile.problems import Problem
 from beltsort.util.naming import nearest_of
 
 if TYPE_CHECKING:
-    from beltsort.cell.description import CellDescription
+    from beltsort.cellfile.description import CellDescription
 
 
 def contradictions(cell: "CellDescription") -> Iterator[Problem]:

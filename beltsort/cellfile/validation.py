@@ -20,7 +20,7 @@ from pydantic import (
 from pydantic_core import ErrorDetails
 
 from beltsort import BeltsortError
-from beltsort.cell.problems import CellFileError, Problem
+from beltsort.cellfile.problems import CellFileError, Problem
 from beltsort.util.naming import nearest_of
 
 Settings = TypeVar("Settings")
@@ -69,7 +69,7 @@ def validated(kind: type[Settings], given: Mapping[str, object]) -> Settings:
     >>> validated(Rules, {"max_looks": "20"})
     Traceback (most recent call last):
     ...
-    beltsort.cell.problems.CellFileError: max_looks: is '20', expected a valid integer
+    beltsort.cellfile.problems.CellFileError: max_looks: is '20', expected a valid integer
     """
     envelope = create_model("Envelope", __config__=STRICT, content=(kind, ...))
     # As JSON, in whose strict mode a list may become a tuple but text never a number.

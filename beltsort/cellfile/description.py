@@ -8,10 +8,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr
 
-from beltsort.cell.consistency import contradictions
 from beltsort.cell.placement import Placement
-from beltsort.cell.problems import CellFileError
-from beltsort.cell.sections import (
+from beltsort.cellfile.consistency import contradictions
+from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.sections import (
     ArmSection,
     BeltSection,
     CameraSection,
@@ -24,7 +24,7 @@ from beltsort.cell.sections import (
     Timeouts,
     Viewpoint,
 )
-from beltsort.cell.validation import OWN_CHECKS, Section, validated
+from beltsort.cellfile.validation import OWN_CHECKS, Section, validated
 from beltsort.errors import ViewpointError
 from beltsort.geometry import BeltLayout
 from beltsort.perception.config import PerceptionConfig

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from beltsort.cell.problems import CellFileError
-from beltsort.cell.validation import validated
+from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.validation import validated
 from beltsort.util.naming import nearest_of
 
 if TYPE_CHECKING:
-    from beltsort.cell.description import CellDescription
+    from beltsort.cellfile.description import CellDescription
 
 Options = TypeVar("Options")
 
@@ -27,12 +27,12 @@ ROLES = ("arm", "camera", "belt", "sorter")
 GROUP = "beltsort."
 
 BUILT_IN: dict[str, dict[str, str]] = {
-    "simulated": dict.fromkeys(ROLES, "beltsort.cell.simulated.backend:BACKEND"),
-    "opcua": dict.fromkeys(("belt", "sorter"), "beltsort.cell.backends:OPCUA"),
-    "modbus": dict.fromkeys(("belt", "sorter"), "beltsort.cell.backends:MODBUS"),
-    "ros1": {role: f"beltsort.cell.backends:ROS1_{role.upper()}" for role in ROLES},
-    "replay": dict.fromkeys(("arm", "camera", "belt"), "beltsort.cell.backends:REPLAY"),
-    "dry-run": {role: f"beltsort.cell.dry_run:{role.upper()}" for role in ROLES},
+    "simulated": dict.fromkeys(ROLES, "beltsort.cellfile.simulated:BACKEND"),
+    "opcua": dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:OPCUA"),
+    "modbus": dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:MODBUS"),
+    "ros1": {role: f"beltsort.cellfile.backends:ROS1_{role.upper()}" for role in ROLES},
+    "replay": dict.fromkeys(("arm", "camera", "belt"), "beltsort.cellfile.backends:REPLAY"),
+    "dry-run": {role: f"beltsort.cellfile.dry_run:{role.upper()}" for role in ROLES},
 }
 """Where the back-end of each device is, by the back-end's name."""
 

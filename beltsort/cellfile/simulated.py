@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from pydantic import NonNegativeInt
 
-from beltsort.cell.description import CellDescription
-from beltsort.cell.problems import CellFileError
-from beltsort.cell.registry import ROLES, backend_of
-from beltsort.cell.sections import Viewpoint
 from beltsort.cell.simulated.config import CellConfig
-from beltsort.cell.validation import validated
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.registry import ROLES, backend_of
+from beltsort.cellfile.sections import Viewpoint
+from beltsort.cellfile.validation import validated
 from beltsort.geometry import SphereViewpoint
 from beltsort.util.naming import nearest_of
 from beltsort.util.randomness import generator

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from beltsort.cell.registry import Backend, backend_of
-from beltsort.cell.validation import validated
+from beltsort.cellfile.registry import Backend, backend_of
+from beltsort.cellfile.validation import validated
 from beltsort.drivers import modbus, opcua, replay, ros1
 
 if TYPE_CHECKING:
-    from beltsort.cell.description import CellDescription
+    from beltsort.cellfile.description import CellDescription
 
 FILES = ("certificate", "private_key", "trust", "path")
 """Options that name files; a relative path counts from the cell file."""

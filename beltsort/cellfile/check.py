@@ -7,11 +7,11 @@ from datetime import UTC, datetime
 from beltsort.cell.arrival import Deviation, deviation_from, viewpoint_poses
 from beltsort.cell.commands import CommandError
 from beltsort.cell.frames import from_matrix
-from beltsort.cell.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops
 from beltsort.cell.protocols import Cell, Health, Scan
-from beltsort.cell.registry import ROLES
-from beltsort.cell.sections import CheckLimits
 from beltsort.cell.stopping import stopping
+from beltsort.cellfile.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops
+from beltsort.cellfile.registry import ROLES
+from beltsort.cellfile.sections import CheckLimits
 from beltsort.errors import CellError
 
 
