@@ -4,7 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from beltsort.perception import NearestNeighbour
-from beltsort.tables.meshes import train_from_meshes
+from beltsort.sim.meshes import train_from_meshes
 
 PYRAMID = """OFF
 5 6 0

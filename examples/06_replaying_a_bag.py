@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from beltsort.cell import Scan
-from beltsort.cell.simulated import SimulatedCell
+from beltsort.sim import SimulatedCell
 from beltsort.drivers.replay import Recorder, RecordingArm, RecordingCamera, Replay, ReplayOptions
 from beltsort.geometry import BeltLayout
 from beltsort.perception import segment

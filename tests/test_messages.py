@@ -14,7 +14,7 @@ import pytest
 
 import beltsort
 from beltsort.cell.commands import CommandError
-from beltsort.cell.simulated import SimulatedCell
+from beltsort.sim import SimulatedCell
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cli import main

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.cli import main
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
-from beltsort.tables import collect_scans, collect_training, count
-from beltsort.tables import prepare as module
-from beltsort.tables.prepare import (
+from beltsort.tables import count
+from beltsort.sim.collect import collect_scans, collect_training
+from beltsort.sim import prepare as module
+from beltsort.sim.prepare import (
     ABOUT,
     PACKAGED,
     PIPELINE,
@@ -59,7 +60,7 @@ def packaged(recipe: Recipe | None = None) -> Prepared | None:
 
 
 REMEDY = (
-    "if results are meant to change, raise PIPELINE in beltsort/tables/prepare.py and run "
+    "if results are meant to change, raise PIPELINE in beltsort/sim/prepare.py and run "
     "beltsort prepare -o beltsort/models/simulated_cell"
 )
 

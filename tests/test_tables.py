@@ -15,21 +15,13 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.perception import NearestNeighbour, PerceptionConfig
-from beltsort.tables import (
-    Counts,
-    Look,
-    agreement_text,
-    collect,
-    collect_counts,
-    collect_training,
-    count,
-    table_one,
-    table_two,
-)
+from beltsort.tables import Counts, Look, agreement_text, count, table_one, table_two
+from beltsort.sim.collect import collect_counts, collect_training
+from beltsort.sim import collect
 from beltsort.tables.log import Labels
-from beltsort.tables.rounds import Round
+from beltsort.sim.rounds import Round
 from tests.waiting import alive, wait_until
 
 pytestmark = pytest.mark.process
@@ -203,7 +195,7 @@ def note_process(_config: CellConfig, _perception: PerceptionConfig, work: Round
 
 
 WITH_WORKERS = """
-from beltsort.tables import collect
+from beltsort.sim import collect
 from tests.test_tables import note_process
 if __name__ == "__main__":
     collect._described = note_process

@@ -11,7 +11,7 @@ import numpy as np
 
 from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
-from beltsort.cell.simulated.sensor import Camera
+from beltsort.sim.sensor import Camera
 from beltsort.cell.wrappers.dry_run import DryRun
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedSorter
 from beltsort.cellfile.description import CellDescription

@@ -23,7 +23,7 @@ from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
-from beltsort.tables.prepare import Recipe, StageProgress, prepare
+from beltsort.sim.prepare import Recipe, StageProgress, prepare
 
 DRY_RUN = "-dry-run"
 """Ends the name of the folder of a run in which something is only said to move."""

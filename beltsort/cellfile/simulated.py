@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import NonNegativeInt
 
-from beltsort.cell.simulated.config import CellConfig
+from beltsort.sim.config import CellConfig
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.registry import ROLES, backend_of
@@ -17,7 +17,7 @@ from beltsort.util.naming import nearest_of
 from beltsort.util.randomness import generator
 
 if TYPE_CHECKING:
-    from beltsort.cell.simulated.cell import SimulatedCell
+    from beltsort.sim.cell import SimulatedCell
 
 NAME = "simulated"
 EMPTY_CUP = "-"
@@ -55,7 +55,7 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
     CellFileError
         If the file describes what cannot be simulated.
     """
-    from beltsort.cell.simulated.cell import SimulatedCell
+    from beltsort.sim.cell import SimulatedCell
 
     labels, config = true_labels(options, cell), config_of(cell, options)
     return SimulatedCell(labels, config, seed=options.seed, placement=cell.placement)

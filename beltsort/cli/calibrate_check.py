@@ -98,8 +98,8 @@ def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel
         if not given:
             raise ArgumentError("--classifier means nothing without MODEL; name models of its labels")
         return given, NearestNeighbour.load(arguments.classifier)
-    from beltsort.cell.simulated import CellConfig
-    from beltsort.tables.prepare import prepare
+    from beltsort.sim import CellConfig
+    from beltsort.sim.prepare import prepare
 
     prepared, config = prepare(progress=tenths), CellConfig()
     viewpoints = [viewpoint.name for viewpoint in config.viewpoints]

@@ -12,8 +12,8 @@ from beltsort.cli.watching import listening, stages
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from beltsort.experiments.demo import DemoResult
-    from beltsort.tables.prepare import Prepared
+    from beltsort.sim.demo import DemoResult
+    from beltsort.sim.prepare import Prepared
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -35,9 +35,9 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from beltsort.cli.console import LastingConsole
-    from beltsort.experiments.demo import as_json, check_seed, run_demo
+    from beltsort.sim.demo import as_json, check_seed, run_demo
     from beltsort.sorting.runs import make_folder, run_name
-    from beltsort.tables.prepare import prepare
+    from beltsort.sim.prepare import prepare
 
     console = LastingConsole(stderr=arguments.json, highlight=False, soft_wrap=True)
     # Whatever can be refused is refused before minutes are spent.
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _tell_tables(console: "Console", prepared: "Prepared") -> None:
-    from beltsort.cell.simulated import CellConfig
+    from beltsort.sim import CellConfig
     from beltsort.tables import agreement_text, table_one, table_two
 
     config = CellConfig()

@@ -116,7 +116,7 @@ def labelled_scans(arguments: Namespace) -> "tuple[list[str], list[str], list[La
     seed = SEED if arguments.seed is None else arguments.seed
     if arguments.record is None:
         return from_simulation(classifier(arguments), arguments, objects, seed)
-    from beltsort.tables.record import record_simulated
+    from beltsort.sim.record import record_simulated
 
     recording = record_simulated(
         arguments.record,
@@ -143,7 +143,7 @@ def refuse_simulation(arguments: Namespace) -> None:
 def classifier(arguments: Namespace) -> "NearestNeighbour":
     """Return the given classifier, or the simulated cell's own, trained once and kept beside the model."""
     from beltsort.perception import NearestNeighbour
-    from beltsort.tables import collect_training
+    from beltsort.sim.collect import collect_training
 
     path = classifier_path(arguments)
     if arguments.classifier is None and not path.exists():
@@ -163,8 +163,8 @@ def from_simulation(
     database: "NearestNeighbour", arguments: Namespace, objects: int, seed: int
 ) -> "tuple[list[str], list[str], list[LabelledScan]]":
     """Label scans of the simulated cell."""
-    from beltsort.cell.simulated import CellConfig
-    from beltsort.tables.collect import collect_scans
+    from beltsort.sim import CellConfig
+    from beltsort.sim.collect import collect_scans
 
     config = CellConfig()
     settings = {"cell": SIMULATED, "seed": str(seed), "config": fingerprint(asdict(config))}

@@ -10,7 +10,7 @@ from beltsort.cli.output import print_json, print_table
 from beltsort.cli.progress import tenths
 
 if TYPE_CHECKING:
-    from beltsort.tables.prepare import Recipe
+    from beltsort.sim.prepare import Recipe
 
 DESCRIPTION = """
 Train the classifier of the default simulated cell, label the scans of its observation tables, and write
@@ -50,7 +50,7 @@ def add_objects(parser: ArgumentParser) -> None:
 
 def recipe_of(arguments: Namespace) -> "Recipe":
     """Return what the arguments ask for."""
-    from beltsort.tables.prepare import Recipe
+    from beltsort.sim.prepare import Recipe
 
     given = {
         "training_objects": arguments.training_objects,
@@ -61,7 +61,7 @@ def recipe_of(arguments: Namespace) -> "Recipe":
 
 def run(arguments: Namespace) -> int:
     """Make and store."""
-    from beltsort.tables.prepare import ABOUT, make
+    from beltsort.sim.prepare import ABOUT, make
 
     recipe, folder = recipe_of(arguments), arguments.output
     if folder.exists() and not (folder / ABOUT).exists():

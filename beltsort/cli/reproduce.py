@@ -41,10 +41,10 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run, write and print the findings."""
-    from beltsort.experiments.demo import check_seed
+    from beltsort.sim.demo import check_seed
     from beltsort.experiments.paper import FULL, QUICK, reproduce
     from beltsort.sorting.runs import make_folder
-    from beltsort.tables.prepare import prepare
+    from beltsort.sim.prepare import prepare
     from beltsort.util.processes import at_least_one
 
     # Whatever can be refused is refused before minutes are spent.

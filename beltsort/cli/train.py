@@ -121,7 +121,7 @@ def _trained(arguments: Namespace) -> Trained:
     settings = {"distance": arguments.distance, "k": arguments.k}
     if not arguments.meshes:
         return train_from_clouds(arguments.folder, viewpoint=arguments.viewpoint or ORIGIN, **settings)
-    from beltsort.tables.meshes import train_from_meshes
+    from beltsort.sim.meshes import train_from_meshes
 
     return train_from_meshes(
         arguments.folder,

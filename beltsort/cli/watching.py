@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from beltsort.cli.console import LastingConsole
-    from beltsort.tables.prepare import StageProgress
+    from beltsort.sim.prepare import StageProgress
     from beltsort.util.processes import Progress
 
 

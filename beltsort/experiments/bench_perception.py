@@ -7,7 +7,7 @@ import numpy as np
 
 from beltsort._core import BUILD_PROFILE
 from beltsort.cell.protocols import Scan
-from beltsort.cell.simulated import CellConfig, SimulatedCell
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.experiments.bench import checked_seconds, repeated
 from beltsort.experiments.perception_stages import own_stages, plain_stages
 from beltsort.experiments.plain_vfh import plain_vfh

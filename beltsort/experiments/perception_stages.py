@@ -6,7 +6,7 @@ import numpy as np
 import open3d as o3d
 
 from beltsort.cell.protocols import Scan
-from beltsort.cell.simulated.config import CellConfig
+from beltsort.sim.config import CellConfig
 from beltsort.experiments.plain_vfh import plain_vfh
 from beltsort.experiments.stopwatch import Stopwatch
 from beltsort.perception import PerceptionConfig, oriented_normals, vfh

@@ -11,13 +11,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.perception import NearestNeighbour, Perception
-from beltsort.tables.collect import SCANS
+from beltsort.sim.collect import SCANS
 from beltsort.util.processes import Progress, at_least_one, in_processes
 from beltsort.util.randomness import checked_seed, generator
 
-PORTRAIT_STREAM = 3  # neither trained on, nor counted, nor sorted: see `beltsort.tables.rounds`
+PORTRAIT_STREAM = 3  # neither trained on, nor counted, nor sorted: see `beltsort.sim.rounds`
 NO_LABEL = -1
 
 Integers = NDArray[np.int64]
@@ -75,7 +75,7 @@ def collect_portraits(
 
 def _portrait(config: CellConfig, database: NearestNeighbour, seed: int, number: int) -> Integers:
     """Return the labels of one object, shape (H, K, 2)."""
-    from beltsort.cell.simulated import SimulatedCell
+    from beltsort.sim import SimulatedCell
 
     positions, rng = config.layout.positions, generator(seed, PORTRAIT_STREAM, number)
     true = rng.integers(len(config.classes), size=2 * positions - 1 + config.upstream).tolist()

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from beltsort import ArgumentError, Despot, SortingModel
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.experiments.calibration import Pairs
 from beltsort.perception import NearestNeighbour, Perception
 from beltsort.sorting.journal import Entry, Journal, read_journal
@@ -27,7 +27,7 @@ from beltsort.util.randomness import checked_seed, generator
 
 RUN_LENGTH = 10  # objects, as in the paper
 TRIALS = 300
-CALIBRATION_STREAM = 2  # neither trained on nor counted: see `beltsort.tables.rounds`
+CALIBRATION_STREAM = 2  # neither trained on nor counted: see `beltsort.sim.rounds`
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ def _check_arms(models: Sequence[SortingModel]) -> None:
 
 def _sorted(config: CellConfig, database: NearestNeighbour, seed: int, work: tuple[str, int]) -> SortedRun:
     """Sort the objects of one run."""
-    from beltsort.cell.simulated import SimulatedCell
+    from beltsort.sim import SimulatedCell
 
     text, number = work
     model, rng = SortingModel.from_json(text), generator(seed, CALIBRATION_STREAM, number)

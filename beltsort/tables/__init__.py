@@ -1,13 +1,11 @@
 """From labels of many scans to observation tables and a model, and whether the tables still hold."""
 
-from beltsort.tables.collect import collect_counts, collect_scans, collect_training
 from beltsort.tables.counts import Counts, Look, count
 from beltsort.tables.drift import Alarm, DriftWatch
 from beltsort.tables.estimate import Estimate, estimate
 from beltsort.tables.label import label_recording
 from beltsort.tables.layout import agreement_text, table_one, table_two
 from beltsort.tables.log import LabelLog
-from beltsort.tables.record import record_simulated
 from beltsort.tables.recording import read_recording
 from beltsort.tables.scans import LabelledScan
 
@@ -20,14 +18,10 @@ __all__ = [
     "LabelledScan",
     "Look",
     "agreement_text",
-    "collect_counts",
-    "collect_scans",
-    "collect_training",
     "count",
     "estimate",
     "label_recording",
     "read_recording",
-    "record_simulated",
     "table_one",
     "table_two",
 ]

@@ -58,7 +58,7 @@ class ViewpointMap:
     A simulated cell with these viewpoints, and a model of it:
 
     >>> import beltsort
-    >>> from beltsort.cell.simulated import CellConfig
+    >>> from beltsort.sim import CellConfig
     >>> config = CellConfig(viewpoints=views.viewpoints)
     >>> p_obs = np.full((2, 3, 4, 4), 0.25)
     >>> model = beltsort.SortingModel(config.classes, p_obs=p_obs, **views.model_settings())

@@ -2,7 +2,7 @@
 
 import pytest
 
-from beltsort.cell.simulated import ArmErrors, CellConfig, SensorNoise
+from beltsort.sim import ArmErrors, CellConfig, SensorNoise
 
 PERFECT_SENSOR = SensorNoise(
     axial_floor=0.0,

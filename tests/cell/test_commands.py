@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from beltsort.cell import CommandError, Outcome, within
-from beltsort.cell.simulated import SimulatedCell
+from beltsort.sim import SimulatedCell
 from tests.waiting import PATIENCE
 
 

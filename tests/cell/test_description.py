@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell.frames import from_matrix, from_quaternion
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.cellfile.composed import compose
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell import Scan
-from beltsort.cell.simulated import CellConfig, SimulatedCell, SphereViewpoint
-from beltsort.cell.simulated.rotations import rotation
+from beltsort.sim import CellConfig, SimulatedCell, SphereViewpoint
+from beltsort.sim.rotations import rotation
 from beltsort.cellfile.dry_run import EmptyBeltCamera
 from beltsort.cellfile.inspection import seen_belt, seen_crops
 from beltsort.geometry import BeltLayout, Points, Pose, look_at, on_sphere

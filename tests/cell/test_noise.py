@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from beltsort.cell.simulated import Camera, SensorNoise
-from beltsort.cell.simulated.noise import View, noisy_depth, smooth_field
+from beltsort.sim import Camera, SensorNoise
+from beltsort.sim.noise import View, noisy_depth, smooth_field
 
 SHAPE = (100, 100)
 

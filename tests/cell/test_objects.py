@@ -3,10 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from beltsort.cell.simulated import CellConfig, PoseMix
-from beltsort.cell.simulated.bulbs import CLASSES, bulb
-from beltsort.cell.simulated.objects import at_rest, draw_object
-from beltsort.cell.simulated.surfaces import Mesh
+from beltsort.sim import CellConfig, PoseMix
+from beltsort.sim.bulbs import CLASSES, bulb
+from beltsort.sim.objects import at_rest, draw_object
+from beltsort.sim.surfaces import Mesh
 from beltsort.geometry import Points
 
 CONFIG = CellConfig()

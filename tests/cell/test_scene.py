@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from beltsort.cell.simulated import Camera
-from beltsort.cell.simulated.scene import Scene
-from beltsort.cell.simulated.surfaces import Mesh, revolve
+from beltsort.sim import Camera
+from beltsort.sim.scene import Scene
+from beltsort.sim.surfaces import Mesh, revolve
 from beltsort.geometry import Points, look_at, transform
 
 BELT = np.array([[-0.3, -0.3, 0.0], [0.3, -0.3, 0.0], [0.3, 0.3, 0.0], [-0.3, 0.3, 0.0]])

@@ -11,7 +11,7 @@ import open3d
 import pytest
 
 from beltsort.cell import Cell, Scan
-from beltsort.cell.simulated import (
+from beltsort.sim import (
     ArmErrors,
     CellConfig,
     PoseMix,
@@ -19,7 +19,7 @@ from beltsort.cell.simulated import (
     SimulatedCell,
     SphereViewpoint,
 )
-from beltsort.cell.simulated.bulbs import bulb
+from beltsort.sim.bulbs import bulb
 from beltsort.errors import CellError
 from beltsort.geometry import BeltLayout, Points, transform
 
@@ -54,7 +54,7 @@ def test_it_is_a_cell() -> None:
 
 
 def test_importing_the_protocols_does_not_load_open3d() -> None:
-    program = "import sys, beltsort.cell, beltsort.cell.simulated; sys.exit('open3d' in sys.modules)"
+    program = "import sys, beltsort.cell, beltsort.sim; sys.exit('open3d' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import open3d
 import pytest
 
-from beltsort.cell.simulated.bulbs import CLASSES, bulb, outline
-from beltsort.cell.simulated.surfaces import Mesh, read_mesh, refine, revolve
+from beltsort.sim.bulbs import CLASSES, bulb, outline
+from beltsort.sim.surfaces import Mesh, read_mesh, refine, revolve
 from beltsort.errors import CellError
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.cell.simulated import CellConfig
-from beltsort.tables.collect import collect_training
+from beltsort.sim import CellConfig
+from beltsort.sim.collect import collect_training
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import pytest
 
 from beltsort import Belief, Despot
 from beltsort._core import BUILD_PROFILE
-from beltsort.cell.simulated import CellConfig, SimulatedCell
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.cli import main
 from beltsort.experiments import bench
 from beltsort.experiments.perception_stages import own_stages, plain_stages

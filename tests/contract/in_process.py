@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from beltsort.cell import Scan
-from beltsort.cell.simulated import Camera, CellConfig, SimulatedCell
+from beltsort.sim import Camera, CellConfig, SimulatedCell
 from beltsort.cell.wrappers.dry_run import DryRun
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.cellfile.dry_run import OVERHEAD, Absent, EmptyBeltCamera

@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.cli import main
 from beltsort.experiments import paper
 from beltsort.experiments.paper import Reproduction
-from beltsort.tables import collect_counts, collect_training
-from beltsort.tables.prepare import Prepared
+from beltsort.sim.collect import collect_counts, collect_training
+from beltsort.sim.prepare import Prepared
 
 from .tiny import SEED, TINY
 
@@ -50,7 +50,7 @@ def commanded(prepared: Prepared, folder: Path) -> Commanded:
 
     printed = StringIO()
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(printed):
-        patch.setattr("beltsort.tables.prepare.prepare", lambda progress: prepared)
+        patch.setattr("beltsort.sim.prepare.prepare", lambda progress: prepared)
         patch.setattr(paper, "QUICK", TINY)
         patch.setattr(paper, "reproduce", reproduce)
         command = ["reproduce", "--quick", "-o", str(folder), "--seed", str(SEED), "--workers", "1", "--json"]

@@ -19,7 +19,7 @@ from beltsort.experiments import paper
 from beltsort.experiments.paper import Reproduction, run_experiments
 from beltsort.experiments.paper.files import REPRODUCIBLE, write_tables
 from beltsort.experiments.paper.run import STORE
-from beltsort.tables.prepare import Prepared
+from beltsort.sim.prepare import Prepared
 from tests.waiting import wait_until
 
 from .conftest import Commanded

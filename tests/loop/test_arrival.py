@@ -11,7 +11,7 @@ import pytest
 import beltsort
 from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
 from beltsort.cellfile.composed import ComposedCell
 from beltsort.cli.narrate import Narrator

@@ -7,7 +7,7 @@ import pytest
 
 import beltsort
 from beltsort.cell import Scan
-from beltsort.cell.simulated import CellConfig, SimulatedCell
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.cellfile.run import restore
 from beltsort.sorting.journal import Entry, Journal
 from beltsort.sorting.loop import resume_sorting, sort_objects

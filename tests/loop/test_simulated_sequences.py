@@ -7,7 +7,7 @@ import pytest
 
 from beltsort.cell import EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
-from beltsort.cell.simulated import CellConfig, SimulatedCell
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.cellfile.composed import ComposedCell
 from beltsort.models import paper

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort.cell.simulated import ArmErrors, CellConfig, SensorNoise, SimulatedCell
+from beltsort.sim import ArmErrors, CellConfig, SensorNoise, SimulatedCell
 from beltsort.geometry import BeltLayout, look_at
 from beltsort.perception import Finding, PerceptionConfig, segment
 from beltsort.perception.sight import crossings, image_border, share_seen, touch

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.perception import NearestNeighbour
-from beltsort.tables import collect_training
+from beltsort.sim.collect import collect_training
 
 
 @pytest.fixture(scope="session")

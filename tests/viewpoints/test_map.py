@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import beltsort
-from beltsort.cell.simulated import CellConfig, SimulatedCell
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.errors import ViewpointError
 from beltsort.geometry import Points, Pose, on_sphere
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from beltsort.cell.simulated import CellConfig, SimulatedCell
-from beltsort.cell.simulated.bulbs import bulb
+from beltsort.sim import CellConfig, SimulatedCell
+from beltsort.sim.bulbs import bulb
 from beltsort.experiments.paper.design import Stream, seed_of
 from beltsort.geometry import Points
 from beltsort.perception import segment

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.experiments.paper.beyond_figures import beyond_figure, bounds_figure
 from beltsort.experiments.paper.clouds_figure import clouds_figure
 from beltsort.experiments.paper.curves import accuracy_figure, one_against_two_figure, steps_figure

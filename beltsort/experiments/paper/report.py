@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import beltsort
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.experiments.paper.curves import SOURCES
 from beltsort.experiments.paper.design import QUICK, Design
 from beltsort.experiments.paper.figures import Picture

@@ -4,14 +4,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from beltsort.experiments.demo import check_seed
+from beltsort.sim.demo import check_seed
 from beltsort.experiments.paper.design import FULL, Design
 from beltsort.experiments.paper.figures import Picture, draw_all
 from beltsort.experiments.paper.files import write_tables
 from beltsort.experiments.paper.report import Circumstances, write_report
 from beltsort.experiments.paper.run import STORE, Results, cell_of, run_experiments
 from beltsort.sorting.runs import make_folder
-from beltsort.tables.prepare import Prepared, StageProgress
+from beltsort.sim.prepare import Prepared, StageProgress
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ def reproduce(
     Parameters
     ----------
     prepared
-        Classifier and tables of the default simulated cell: `beltsort.tables.prepare.prepare()`.
+        Classifier and tables of the default simulated cell: `beltsort.sim.prepare.prepare()`.
     folder
         Made if missing.
     design, seed, workers, stage

@@ -6,7 +6,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.experiments.paper.beyond import beyond_points
 from beltsort.experiments.paper.design import Design
 from beltsort.experiments.paper.findings import all_findings
@@ -17,7 +17,7 @@ from beltsort.experiments.paper.outcomes import Point, Row, pooled
 from beltsort.experiments.paper.scans import PreparedCell, scan_points, sort_scans
 from beltsort.experiments.paper.verdicts import Finding
 from beltsort.experiments.sweep.engine import run_points
-from beltsort.tables.prepare import Prepared, StageProgress
+from beltsort.sim.prepare import Prepared, StageProgress
 
 STORE = "points"
 Task = Callable[[Mapping[str, Any]], Mapping[str, Any]]

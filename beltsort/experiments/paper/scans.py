@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from beltsort import Despot, SortingModel
-from beltsort.cell.simulated import CellConfig, SimulatedCell
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.experiments.paper.design import Design, Stream, seed_of
 from beltsort.experiments.paper.instances import OBJECTS, Instance
 from beltsort.experiments.paper.labels import STUDY

@@ -10,12 +10,12 @@ from pydantic import TypeAdapter, ValidationError
 
 import beltsort
 from beltsort import Policy, SortingModel
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.errors import SweepError
 from beltsort.experiments.sweep.grid import inputs_of, seeds_of
 from beltsort.experiments.sweep.parameters import nested, section_of
 from beltsort.planning.named_policy import named_policy
-from beltsort.tables.prepare import Prepared, Recipe, StageProgress, prepare
+from beltsort.sim.prepare import Prepared, Recipe, StageProgress, prepare
 from beltsort.util.naming import index_of
 
 Point = Mapping[str, Any]
@@ -44,7 +44,7 @@ def table_point(point: Point) -> dict[str, float | None]:
 
 def scan_point(point: Point) -> dict[str, int | float]:
     """Return what a run of the simulated cell did, from scans to decisions."""
-    from beltsort.cell.simulated import SimulatedCell
+    from beltsort.sim import SimulatedCell
     from beltsort.perception import Perception
     from beltsort.sorting.journal import Journal
     from beltsort.sorting.loop import sort_objects

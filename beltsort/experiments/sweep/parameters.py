@@ -6,7 +6,7 @@ from inspect import signature
 from typing import Any
 
 from beltsort import SortingModel
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.errors import SweepError
 from beltsort.util.naming import nearest_of
 

@@ -21,7 +21,7 @@ from beltsort.experiments.sweep.levels import (
     table_point,
 )
 from beltsort.experiments.sweep.parquet import load_pyarrow, write_rows
-from beltsort.tables.prepare import StageProgress
+from beltsort.sim.prepare import StageProgress
 from beltsort.util.processes import Progress
 
 FILE = "rows.parquet"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from beltsort.cell import Arm, Belt, DepthCamera, Outcome, Scan
-from beltsort.cell.simulated import Camera, CellConfig, SimulatedCell
+from beltsort.sim import Camera, CellConfig, SimulatedCell
 from beltsort.drivers.replay import (
     Recorder,
     RecordingArm,

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from beltsort.cell.simulated.bulbs import CLASSES
-from beltsort.cell.simulated.rotations import rotation
-from beltsort.cell.simulated.sensor import Camera, SensorNoise
+from beltsort.sim.bulbs import CLASSES
+from beltsort.sim.rotations import rotation
+from beltsort.sim.sensor import Camera, SensorNoise
 from beltsort.errors import CellError
 from beltsort.geometry import BeltLayout, Pose, SphereViewpoint
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from beltsort.cell.commands import CommandError, Outcome
-from beltsort.cell.simulated.bulbs import bulb
-from beltsort.cell.simulated.config import CellConfig
-from beltsort.cell.simulated.objects import cup_mesh, draw_object
-from beltsort.cell.simulated.scene import Scene
-from beltsort.cell.simulated.surfaces import Mesh, read_mesh
+from beltsort.sim.bulbs import bulb
+from beltsort.sim.config import CellConfig
+from beltsort.sim.objects import cup_mesh, draw_object
+from beltsort.sim.scene import Scene
+from beltsort.sim.surfaces import Mesh, read_mesh
 from beltsort.errors import CellError
 from beltsort.geometry import Points
 from beltsort.util.randomness import checked_seed, generator

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from beltsort.cell.protocols import Scan
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.util.processes import at_least_one
 from beltsort.util.randomness import checked_seed, generator
 
@@ -29,7 +29,7 @@ class Round:
 
     def scenes(self, config: CellConfig, scans: int) -> Iterator[tuple[list[int], list[Scan]]]:
         """Yield the true classes of each scene, the belt end first, and `scans` scans of it."""
-        from beltsort.cell.simulated import SimulatedCell
+        from beltsort.sim import SimulatedCell
 
         rng = self._generator()
         for true in _arrangement(config, rng):

@@ -6,7 +6,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from beltsort.cell.simulated.sensor import Array, Camera, SensorNoise
+from beltsort.sim.sensor import Array, Camera, SensorNoise
 
 Flags = NDArray[np.bool_]
 

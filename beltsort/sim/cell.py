@@ -8,9 +8,9 @@ import numpy as np
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
-from beltsort.cell.simulated.config import CellConfig
-from beltsort.cell.simulated.noise import noisy_depth
-from beltsort.cell.simulated.world import World
+from beltsort.sim.config import CellConfig
+from beltsort.sim.noise import noisy_depth
+from beltsort.sim.world import World
 from beltsort.errors import CellError
 from beltsort.geometry import BeltLayout, Points, Pose
 from beltsort.util.randomness import generator

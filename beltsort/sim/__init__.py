@@ -8,12 +8,12 @@ hopelessly.
 
 from typing import TYPE_CHECKING, Any
 
-from beltsort.cell.simulated.config import ArmErrors, CellConfig, Cup, PoseMix
-from beltsort.cell.simulated.sensor import Camera, SensorNoise
+from beltsort.sim.config import ArmErrors, CellConfig, Cup, PoseMix
+from beltsort.sim.sensor import Camera, SensorNoise
 from beltsort.geometry import SphereViewpoint
 
 if TYPE_CHECKING:
-    from beltsort.cell.simulated.cell import SimulatedCell
+    from beltsort.sim.cell import SimulatedCell
 
 __all__ = [
     "ArmErrors",
@@ -30,7 +30,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Load the cell, and with it Open3D, on first use."""
     if name == "SimulatedCell":
-        from beltsort.cell.simulated.cell import SimulatedCell
+        from beltsort.sim.cell import SimulatedCell
 
         return SimulatedCell
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

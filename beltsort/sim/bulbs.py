@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from beltsort.cell.simulated.surfaces import Mesh, Profile, refine, revolve
+from beltsort.sim.surfaces import Mesh, Profile, refine, revolve
 from beltsort.errors import CellError
 
 CLASSES = ("elongated", "livarno", "mushroom", "standard")

@@ -10,10 +10,10 @@ from typing import Self
 
 import numpy as np
 
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.errors import RecordingError
 from beltsort.geometry import Points
-from beltsort.tables.collect import SCANS
+from beltsort.sim.collect import SCANS
 from beltsort.tables.recording import (
     HEADER,
     MANIFEST,
@@ -24,7 +24,7 @@ from beltsort.tables.recording import (
     read_manifest,
     read_recording,
 )
-from beltsort.tables.rounds import TABLE_STREAM, Round, rounds_of
+from beltsort.sim.rounds import TABLE_STREAM, Round, rounds_of
 from beltsort.util.processes import Progress, in_processes
 
 

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 
-from beltsort.cell.simulated import CellConfig
+from beltsort.sim import CellConfig
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.perception.folders import Skipped, class_folder, expect_two_classes, training_files
 from beltsort.perception.training import Trained
-from beltsort.tables.collect import collect_training
+from beltsort.sim.collect import collect_training
 from beltsort.util.processes import Progress
 
 UNSEEN = "no scan shows enough of it above the rim of its cup: give a larger mesh, in metres"
@@ -75,7 +75,7 @@ def train_from_meshes(
 
 
 def _readable(files: Sequence[Path]) -> tuple[list[Path], list[Skipped]]:
-    from beltsort.cell.simulated.surfaces import read_mesh
+    from beltsort.sim.surfaces import read_mesh
 
     meshes, skipped = [], []
     for file in files:
