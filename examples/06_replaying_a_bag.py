@@ -8,10 +8,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from beltsort.cell import Scan
-from beltsort.sim import SimulatedCell
 from beltsort.drivers.replay import Recorder, RecordingArm, RecordingCamera, Replay, ReplayOptions
 from beltsort.geometry import BeltLayout
 from beltsort.perception import segment
+from beltsort.sim import SimulatedCell
 
 
 def record(folder: Path) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """One curve of the paper's Fig. 6 by hand: points, rows, estimates, and what they say of the claim."""
 
-from beltsort.experiments import paper
+from beltsort import paper
 
 
 def main() -> None:

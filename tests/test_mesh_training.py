@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beltsort.sim.surfaces import revolve
 from beltsort.errors import DatabaseError
 from beltsort.perception import NearestNeighbour
 from beltsort.sim.meshes import train_from_meshes
+from beltsort.sim.surfaces import revolve
 from tests.cli.running import command
 
 

@@ -14,7 +14,6 @@ import pytest
 
 import beltsort
 from beltsort.cell.commands import CommandError
-from beltsort.sim import SimulatedCell
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cli import main
@@ -28,9 +27,10 @@ from beltsort.errors import (
     SweepError,
     ViewpointError,
 )
-from beltsort.experiments.sweep.run import Sweep
 from beltsort.perception import NearestNeighbour, read_cloud
+from beltsort.sim import SimulatedCell
 from beltsort.sorting.journal import Journal, read_journal
+from beltsort.sweep.run import Sweep
 from beltsort.tables.log import LabelLog
 from beltsort.tables.recording import read_recording
 from beltsort.viewpoints import ViewpointMap, map_viewpoints

@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.sim import CellConfig
 from beltsort.cli import main
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
-from beltsort.tables import count
-from beltsort.sim.collect import collect_scans, collect_training
+from beltsort.sim import CellConfig
 from beltsort.sim import prepare as module
+from beltsort.sim.collect import collect_scans, collect_training
 from beltsort.sim.prepare import (
     ABOUT,
     PACKAGED,
@@ -30,6 +29,7 @@ from beltsort.sim.prepare import (
     prepare,
     read_scans,
 )
+from beltsort.tables import count
 from beltsort.tables.scans import looks
 from beltsort.util.processes import Progress
 

@@ -15,13 +15,12 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.sim import CellConfig
 from beltsort.perception import NearestNeighbour, PerceptionConfig
-from beltsort.tables import Counts, Look, agreement_text, count, table_one, table_two
+from beltsort.sim import CellConfig, collect
 from beltsort.sim.collect import collect_counts, collect_training
-from beltsort.sim import collect
-from beltsort.tables.log import Labels
 from beltsort.sim.rounds import Round
+from beltsort.tables import Counts, Look, agreement_text, count, table_one, table_two
+from beltsort.tables.log import Labels
 from tests.waiting import alive, wait_until
 
 pytestmark = pytest.mark.process

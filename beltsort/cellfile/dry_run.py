@@ -11,12 +11,12 @@ import numpy as np
 
 from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
-from beltsort.sim.sensor import Camera
 from beltsort.cell.wrappers.dry_run import DryRun
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedSorter
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.registry import Backend, backend_of
 from beltsort.geometry import Pose, look_at
+from beltsort.sim.sensor import Camera
 
 log = logging.getLogger(__name__)
 

@@ -15,6 +15,7 @@ from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.simulated import trainable_config
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig
+from beltsort.sim.prepare import Recipe, StageProgress, prepare
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listener
 from beltsort.sorting.locks import devices_locked, locked
@@ -23,7 +24,6 @@ from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
-from beltsort.sim.prepare import Recipe, StageProgress, prepare
 
 DRY_RUN = "-dry-run"
 """Ends the name of the folder of a run in which something is only said to move."""

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from pydantic import NonNegativeInt
 
-from beltsort.sim.config import CellConfig
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.registry import ROLES, backend_of
 from beltsort.cellfile.sections import Viewpoint
 from beltsort.cellfile.validation import validated
 from beltsort.geometry import SphereViewpoint
+from beltsort.sim.config import CellConfig
 from beltsort.util.naming import nearest_of
 from beltsort.util.randomness import generator
 

@@ -4,9 +4,9 @@ from argparse import Namespace
 from dataclasses import asdict
 
 from beltsort import SortingModel
+from beltsort.bench.planning import Bench, run_bench
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table, tell
-from beltsort.experiments.bench import Bench, run_bench
 from beltsort.models import paper
 
 DEBUG_BUILD = (

@@ -3,8 +3,8 @@
 from argparse import Namespace
 from dataclasses import asdict
 
+from beltsort.bench.perception import PerceptionBench, run_bench_perception
 from beltsort.cli.output import print_json, print_table
-from beltsort.experiments.bench_perception import PerceptionBench, run_bench_perception
 
 
 def run(arguments: Namespace) -> int:

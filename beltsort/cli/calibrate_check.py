@@ -13,8 +13,8 @@ from beltsort.cli.solve import check_writable
 from beltsort.util.text import numbers_or_none
 
 if TYPE_CHECKING:
-    from beltsort.experiments.calibration_check import Arm
-    from beltsort.experiments.causes import Causes
+    from beltsort.calibration.causes import Causes
+    from beltsort.calibration.check import Arm
     from beltsort.perception import NearestNeighbour
     from beltsort.planning.comparison import Difference
 
@@ -53,10 +53,10 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Sort, evaluate, draw and print."""
-    from beltsort.experiments.calibration_check import Arm
-    from beltsort.experiments.calibration_figure import draw_reliability
-    from beltsort.experiments.causes import find_causes
-    from beltsort.experiments.sorted_runs import sort_many
+    from beltsort.calibration.causes import find_causes
+    from beltsort.calibration.check import Arm
+    from beltsort.calibration.figure import draw_reliability
+    from beltsort.calibration.sorted_runs import sort_many
 
     check_writable(arguments.figure)
     models, database = models_and_classifier(arguments)
@@ -133,7 +133,7 @@ def as_json(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None
 
 def show(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") -> None:
     """Print the figures as tables."""
-    from beltsort.experiments.calibration_layout import (
+    from beltsort.calibration.layout import (
         arms_rows,
         dependences_rows,
         differences_rows,

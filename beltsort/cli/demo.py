@@ -36,8 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from beltsort.cli.console import LastingConsole
     from beltsort.sim.demo import as_json, check_seed, run_demo
-    from beltsort.sorting.runs import make_folder, run_name
     from beltsort.sim.prepare import prepare
+    from beltsort.sorting.runs import make_folder, run_name
 
     console = LastingConsole(stderr=arguments.json, highlight=False, soft_wrap=True)
     # Whatever can be refused is refused before minutes are spent.

@@ -9,7 +9,7 @@ from beltsort.cli.output import print_json, print_table, tell
 from beltsort.cli.progress import tenths
 
 if TYPE_CHECKING:
-    from beltsort.experiments.paper import Reproduction
+    from beltsort.paper import Reproduction
 
 FOLDER = "reproduction"
 
@@ -41,10 +41,10 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run, write and print the findings."""
+    from beltsort.paper import FULL, QUICK, reproduce
     from beltsort.sim.demo import check_seed
-    from beltsort.experiments.paper import FULL, QUICK, reproduce
-    from beltsort.sorting.runs import make_folder
     from beltsort.sim.prepare import prepare
+    from beltsort.sorting.runs import make_folder
     from beltsort.util.processes import at_least_one
 
     # Whatever can be refused is refused before minutes are spent.

@@ -10,7 +10,7 @@ from beltsort.cli.output import print_json, print_table, tell
 from beltsort.cli.progress import tenths, with_eta
 
 if TYPE_CHECKING:
-    from beltsort.experiments.sweep.cluster import Cluster
+    from beltsort.sweep.cluster import Cluster
 
 DESCRIPTION = """
 Run every point of a grid and write a Parquet file with one row for each point and seed. Finished rows are
@@ -45,7 +45,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run, write and print."""
-    from beltsort.experiments.sweep.run import FILE, Sweep
+    from beltsort.sweep.run import FILE, Sweep
 
     scheduler = scheduler_of(arguments)
     folder = folder_of(arguments)
@@ -80,7 +80,7 @@ def scheduler_of(arguments: Namespace) -> "Cluster | None":
         return None
     if arguments.workers is not None:
         raise ArgumentError("--workers means nothing to a cluster, which has its own; leave it out")
-    from beltsort.experiments.sweep.cluster import Certificates, Cluster
+    from beltsort.sweep.cluster import Certificates, Cluster
 
     if not given:
         return Cluster(arguments.scheduler)

@@ -95,7 +95,7 @@ def run(arguments: Namespace) -> int:
 
 def draw(views: ViewpointMap, picture: Path) -> None:
     """Draw the picture, and load matplotlib only now."""
-    from beltsort.experiments.sphere_figure import draw_sphere
+    from beltsort.viewpoints.figure import draw_sphere
 
     draw_sphere(views, picture)
 

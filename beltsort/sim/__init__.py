@@ -8,9 +8,9 @@ hopelessly.
 
 from typing import TYPE_CHECKING, Any
 
+from beltsort.geometry import SphereViewpoint
 from beltsort.sim.config import ArmErrors, CellConfig, Cup, PoseMix
 from beltsort.sim.sensor import Camera, SensorNoise
-from beltsort.geometry import SphereViewpoint
 
 if TYPE_CHECKING:
     from beltsort.sim.cell import SimulatedCell

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from beltsort.sim.surfaces import Mesh, Profile, refine, revolve
 from beltsort.errors import CellError
+from beltsort.sim.surfaces import Mesh, Profile, refine, revolve
 
 CLASSES = ("elongated", "livarno", "mushroom", "standard")
 

@@ -8,11 +8,11 @@ import numpy as np
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
+from beltsort.errors import CellError
+from beltsort.geometry import BeltLayout, Points, Pose
 from beltsort.sim.config import CellConfig
 from beltsort.sim.noise import noisy_depth
 from beltsort.sim.world import World
-from beltsort.errors import CellError
-from beltsort.geometry import BeltLayout, Points, Pose
 from beltsort.util.randomness import generator
 
 SCAN_STREAM = 1  # keeps the draws of scans apart from those of objects

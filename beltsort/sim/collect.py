@@ -2,12 +2,12 @@
 
 from functools import partial
 
-from beltsort.sim import CellConfig
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig, describe, segment
 from beltsort.perception.vfh import Histogram
+from beltsort.sim import CellConfig
+from beltsort.sim.rounds import TABLE_STREAM, TRAINING_STREAM, Round, rounds_of
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.log import LabelLog, Labels, label_missing
-from beltsort.sim.rounds import TABLE_STREAM, TRAINING_STREAM, Round, rounds_of
 from beltsort.tables.scans import LabelledScan, looks
 from beltsort.util.processes import Progress, in_processes
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from beltsort.errors import CellError
+from beltsort.geometry import BeltLayout, Pose, SphereViewpoint
 from beltsort.sim.bulbs import CLASSES
 from beltsort.sim.rotations import rotation
 from beltsort.sim.sensor import Camera, SensorNoise
-from beltsort.errors import CellError
-from beltsort.geometry import BeltLayout, Pose, SphereViewpoint
 
 
 @dataclass(frozen=True)

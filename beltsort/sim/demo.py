@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 import beltsort
-from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.perception import Perception
+from beltsort.sim import CellConfig, SimulatedCell
+from beltsort.sim.prepare import Prepared
 from beltsort.sorting.belief_figure import draw_belief
 from beltsort.sorting.journal import Listener, read_journal
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.runs import JOURNAL, plain_decision, sort_into
-from beltsort.sim.prepare import Prepared
 
 OBJECTS = 10
 DRAWN_FROM = ("elongated", "livarno")

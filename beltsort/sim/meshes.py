@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 
-from beltsort.sim import CellConfig
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.perception.folders import Skipped, class_folder, expect_two_classes, training_files
 from beltsort.perception.training import Trained
+from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_training
 from beltsort.util.processes import Progress
 

@@ -4,10 +4,10 @@ from itertools import product
 
 import numpy as np
 
+from beltsort.geometry import BeltLayout, Points, Pose
 from beltsort.sim.config import CellConfig, Cup, PoseMix
 from beltsort.sim.rotations import rotation
 from beltsort.sim.surfaces import Mesh, Profile, revolve
-from beltsort.geometry import BeltLayout, Points, Pose
 
 REACH = 0.016  # metres; how far from the cup's axis an object's middle may settle
 OFFSETS = 9  # places tried along each axis

@@ -17,9 +17,9 @@ import numpy as np
 from platformdirs import user_cache_path
 
 import beltsort
-from beltsort.sim import CellConfig
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
+from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_scans, collect_training
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.scans import LabelledScan, looks

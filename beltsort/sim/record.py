@@ -10,10 +10,11 @@ from typing import Self
 
 import numpy as np
 
-from beltsort.sim import CellConfig
 from beltsort.errors import RecordingError
 from beltsort.geometry import Points
+from beltsort.sim import CellConfig
 from beltsort.sim.collect import SCANS
+from beltsort.sim.rounds import TABLE_STREAM, Round, rounds_of
 from beltsort.tables.recording import (
     HEADER,
     MANIFEST,
@@ -24,7 +25,6 @@ from beltsort.tables.recording import (
     read_manifest,
     read_recording,
 )
-from beltsort.sim.rounds import TABLE_STREAM, Round, rounds_of
 from beltsort.util.processes import Progress, in_processes
 
 

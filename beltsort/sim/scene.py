@@ -9,10 +9,10 @@ import open3d
 from numpy.typing import NDArray
 from open3d.core import Tensor
 
+from beltsort.geometry import Points, Pose, transform
 from beltsort.sim.noise import Flags, View
 from beltsort.sim.sensor import Array, Camera
 from beltsort.sim.surfaces import Mesh
-from beltsort.geometry import Points, Pose, transform
 
 Floats = NDArray[np.float32]
 

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from beltsort.cell.commands import CommandError, Outcome
+from beltsort.errors import CellError
+from beltsort.geometry import Points
 from beltsort.sim.bulbs import bulb
 from beltsort.sim.config import CellConfig
 from beltsort.sim.objects import cup_mesh, draw_object
 from beltsort.sim.scene import Scene
 from beltsort.sim.surfaces import Mesh, read_mesh
-from beltsort.errors import CellError
-from beltsort.geometry import Points
 from beltsort.util.randomness import checked_seed, generator
 
 OBJECT_STREAM = 0  # keeps the draws of objects apart from those of scans

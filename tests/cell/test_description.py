@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell.frames import from_matrix, from_quaternion
-from beltsort.sim import CellConfig
 from beltsort.cellfile.composed import compose
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.geometry import BeltLayout
+from beltsort.sim import CellConfig
 from beltsort.sorting.rules import Rules
 from beltsort.viewpoints import map_viewpoints
 from tests.cell.cell_files import EXAMPLE, changed, described

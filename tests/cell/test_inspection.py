@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell import Scan
-from beltsort.sim import CellConfig, SimulatedCell, SphereViewpoint
-from beltsort.sim.rotations import rotation
 from beltsort.cellfile.dry_run import EmptyBeltCamera
 from beltsort.cellfile.inspection import seen_belt, seen_crops
 from beltsort.geometry import BeltLayout, Points, Pose, look_at, on_sphere
+from beltsort.sim import CellConfig, SimulatedCell, SphereViewpoint
+from beltsort.sim.rotations import rotation
 from tests.laws import cases
 
 CENTRE = np.zeros(3)

@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from beltsort.geometry import Points
 from beltsort.sim import CellConfig, PoseMix
 from beltsort.sim.bulbs import CLASSES, bulb
 from beltsort.sim.objects import at_rest, draw_object
 from beltsort.sim.surfaces import Mesh
-from beltsort.geometry import Points
 
 CONFIG = CellConfig()
 

@@ -13,8 +13,6 @@ from beltsort.cell import Cell, Scan
 from beltsort.cell.arrival import Deviation, deviation
 from beltsort.cell.frames import from_quaternion
 from beltsort.cell.placement import Placement
-from beltsort.sim import CellConfig, SimulatedCell
-from beltsort.sim.rotations import rotation
 from beltsort.cellfile.check import check_cell
 from beltsort.cellfile.composed import ComposedCell
 from beltsort.cellfile.description import CellDescription
@@ -22,7 +20,9 @@ from beltsort.cellfile.registry import BUILT_IN, Backend
 from beltsort.cellfile.sections import CheckLimits
 from beltsort.geometry import Pose, transform
 from beltsort.perception import NearestNeighbour, Perception
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.collect import collect_training
+from beltsort.sim.rotations import rotation
 from tests.cell.cell_files import EXAMPLE, composed, described
 
 pytestmark = pytest.mark.slow

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from beltsort.geometry import Points, look_at, transform
 from beltsort.sim import Camera
 from beltsort.sim.scene import Scene
 from beltsort.sim.surfaces import Mesh, revolve
-from beltsort.geometry import Points, look_at, transform
 
 BELT = np.array([[-0.3, -0.3, 0.0], [0.3, -0.3, 0.0], [0.3, 0.3, 0.0], [-0.3, 0.3, 0.0]])
 CAMERA = Camera()

@@ -11,6 +11,8 @@ import open3d
 import pytest
 
 from beltsort.cell import Cell, Scan
+from beltsort.errors import CellError
+from beltsort.geometry import BeltLayout, Points, transform
 from beltsort.sim import (
     ArmErrors,
     CellConfig,
@@ -20,8 +22,6 @@ from beltsort.sim import (
     SphereViewpoint,
 )
 from beltsort.sim.bulbs import bulb
-from beltsort.errors import CellError
-from beltsort.geometry import BeltLayout, Points, transform
 
 
 def scan(cell: SimulatedCell) -> Scan:

@@ -4,9 +4,9 @@ import numpy as np
 import open3d
 import pytest
 
+from beltsort.errors import CellError
 from beltsort.sim.bulbs import CLASSES, bulb, outline
 from beltsort.sim.surfaces import Mesh, read_mesh, refine, revolve
-from beltsort.errors import CellError
 
 
 def as_open3d(mesh: Mesh) -> open3d.geometry.TriangleMesh:

@@ -7,13 +7,13 @@ import pytest
 
 from beltsort import Belief, Despot
 from beltsort._core import BUILD_PROFILE
-from beltsort.sim import CellConfig, SimulatedCell
+from beltsort.bench import planning as bench
+from beltsort.bench.stages import own_stages, plain_stages
+from beltsort.bench.stopwatch import Stopwatch
 from beltsort.cli import main
-from beltsort.experiments import bench
-from beltsort.experiments.perception_stages import own_stages, plain_stages
-from beltsort.experiments.stopwatch import Stopwatch
 from beltsort.models import paper
 from beltsort.perception import PerceptionConfig, describe, segment
+from beltsort.sim import CellConfig, SimulatedCell
 
 from .running import PAPER, command, json_of, output
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.sim import CellConfig
 from beltsort.perception import NearestNeighbour
-from beltsort.tables import LabelledScan, estimate
+from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_counts, collect_training
 from beltsort.sim.record import record_simulated
+from beltsort.tables import LabelledScan, estimate
 from beltsort.tables.log import LabelLog
 from tests.cli.running import command
 from tests.waiting import wait_until

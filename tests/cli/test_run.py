@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.sim import CellConfig
 from beltsort.cellfile.registry import BUILT_IN
 from beltsort.cellfile.simulated import BACKEND
 from beltsort.cli import exit_codes, main
 from beltsort.perception import NearestNeighbour
+from beltsort.sim import CellConfig
+from beltsort.sim.prepare import Prepared, Recipe
 from beltsort.sorting.journal import read_journal
 from beltsort.sorting.progress import Progress
 from beltsort.tables.counts import Look, count
-from beltsort.sim.prepare import Prepared, Recipe
 from tests.cell.cell_files import changed
 from tests.cli.cells import PREPARE, cell_file
 from tests.cli.running import process

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from beltsort.cell import Scan
-from beltsort.sim import Camera, CellConfig, SimulatedCell
 from beltsort.cell.wrappers.dry_run import DryRun
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.cellfile.dry_run import OVERHEAD, Absent, EmptyBeltCamera
@@ -15,6 +14,7 @@ from beltsort.drivers.replay import Replay
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
 from beltsort.perception import Finding, segment
+from beltsort.sim import Camera, CellConfig, SimulatedCell
 from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan, Faults
 from tests.contract.peer import SeeingPeer

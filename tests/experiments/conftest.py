@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from beltsort.sim import CellConfig
+from beltsort import paper
 from beltsort.cli import main
-from beltsort.experiments import paper
-from beltsort.experiments.paper import Reproduction
+from beltsort.paper import Reproduction
+from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_counts, collect_training
 from beltsort.sim.prepare import Prepared
 

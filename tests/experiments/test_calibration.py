@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.experiments.calibration import Pairs, reliability
-from beltsort.experiments.dependence import dependences
-from beltsort.experiments.portraits import Portraits
-from beltsort.experiments.sorted_runs import run_in
+from beltsort.calibration.dependence import dependences
+from beltsort.calibration.portraits import Portraits
+from beltsort.calibration.reliability import Pairs, reliability
+from beltsort.calibration.sorted_runs import run_in
 from beltsort.sorting.journal import Entry
 
 

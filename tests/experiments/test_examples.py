@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.experiments import paper
+from beltsort import paper
 
 pytestmark = pytest.mark.process
 

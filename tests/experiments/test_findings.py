@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from beltsort import ArgumentError, Belief
-from beltsort.experiments.paper import (
+from beltsort.paper import (
     FOUR,
     PAPER,
     QUICK,
@@ -20,12 +20,12 @@ from beltsort.experiments.paper import (
     saving,
     slope,
 )
-from beltsort.experiments.paper.beyond import BONUS
-from beltsort.experiments.paper.beyond_findings import beyond_findings
-from beltsort.experiments.paper.design import Stream, seed_of
-from beltsort.experiments.paper.instances import sharpened, with_arrival, with_more_positions
-from beltsort.experiments.paper.statistics import mean, unpaired
-from beltsort.experiments.paper.verdicts import in_words, verdict
+from beltsort.paper.beyond import BONUS
+from beltsort.paper.beyond_findings import beyond_findings
+from beltsort.paper.design import Stream, seed_of
+from beltsort.paper.instances import sharpened, with_arrival, with_more_positions
+from beltsort.paper.statistics import mean, unpaired
+from beltsort.paper.verdicts import in_words, verdict
 
 BATCHES = 40
 RNG = np.random.default_rng(0)

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from beltsort import paper
 from beltsort.cli import main
 from beltsort.cli.reproduce import show_text
-from beltsort.experiments import paper
-from beltsort.experiments.paper import Reproduction, run_experiments
-from beltsort.experiments.paper.files import REPRODUCIBLE, write_tables
-from beltsort.experiments.paper.run import STORE
+from beltsort.paper import Reproduction, run_experiments
+from beltsort.paper.files import REPRODUCIBLE, write_tables
+from beltsort.paper.run import STORE
 from beltsort.sim.prepare import Prepared
 from tests.waiting import wait_until
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import beltsort
-from beltsort.experiments.paper import QUICK, Instance, PreparedCell, Results, run_experiments
+from beltsort.paper import QUICK, Instance, PreparedCell, Results, run_experiments
 
 SEED = 3
 TINY = replace(

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 import beltsort
-from beltsort.sim import ArmErrors, CellConfig, SimulatedCell
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
 from beltsort.cellfile.composed import ComposedCell
 from beltsort.perception import Perception
+from beltsort.sim import ArmErrors, CellConfig, SimulatedCell
+from beltsort.sim.collect import collect_training
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.report import SortingReport
-from beltsort.sim.collect import collect_training
 from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan, Faults
 from tests.cell.conftest import PERFECT_SENSOR

@@ -7,8 +7,8 @@ import pytest
 
 import beltsort
 from beltsort.cell import Scan
-from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.cellfile.run import restore
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sorting.journal import Entry, Journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.record import progress_in

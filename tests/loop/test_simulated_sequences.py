@@ -7,10 +7,10 @@ import pytest
 
 from beltsort.cell import EmergencyStopError, Scan
 from beltsort.cell.commands import TIMEOUT
-from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.cellfile.composed import ComposedCell
 from beltsort.models import paper
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sorting.holds import Answer, Hold
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.loop import resume_sorting, sort_objects

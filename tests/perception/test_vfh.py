@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from beltsort.bench.plain_vfh import plain_vfh
 from beltsort.errors import CloudError
-from beltsort.experiments.plain_vfh import plain_vfh
 from beltsort.geometry import Points
 from beltsort.perception import vfh, vfh_batch
 from tests.laws import cases

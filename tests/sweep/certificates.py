@@ -4,7 +4,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from beltsort.experiments.sweep.cluster import Certificates
+from beltsort.sweep.cluster import Certificates
 
 
 def make_certificates(folder: Path) -> Certificates:

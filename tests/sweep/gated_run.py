@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from beltsort.experiments.sweep.engine import run_points
+from beltsort.sweep.engine import run_points
 from tests.sweep.tasks import noted
 
 FREE, ALL = 4, 6

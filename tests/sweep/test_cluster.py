@@ -9,9 +9,9 @@ from distributed import Client
 
 from beltsort.cli import main
 from beltsort.errors import SweepError
-from beltsort.experiments.sweep.cluster import Certificates, Cluster
-from beltsort.experiments.sweep.engine import run_points
-from beltsort.experiments.sweep.store import RowStore
+from beltsort.sweep.cluster import Certificates, Cluster
+from beltsort.sweep.engine import run_points
+from beltsort.sweep.store import RowStore
 from tests.sweep import tasks
 from tests.sweep.certificates import make_certificates
 from tests.sweep.cluster_processes import cluster
@@ -90,7 +90,7 @@ def test_over_tls_both_sides_are_certified(tmp_path: Path, monkeypatch: pytest.M
         known = Cluster(processes.address, ours)
         rows = run_points(tasks.square, points, tmp_path / "store", scheduler=known)
         assert [row["square"] for row in rows] == [0, 1, 4]
-        monkeypatch.setattr("beltsort.experiments.sweep.cluster.CONNECTING", 2.0)
+        monkeypatch.setattr("beltsort.sweep.cluster.CONNECTING", 2.0)
         stranger = Cluster(processes.address, foreign)
         with pytest.raises(SweepError, match=r"tls://127\.0\.0\.1.*certificate.*`dask scheduler`"):
             run_points(tasks.square, points, tmp_path / "other", scheduler=stranger)
@@ -102,7 +102,7 @@ def new_folder(path: Path) -> Path:
 
 
 def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("beltsort.experiments.sweep.cluster.CONNECTING", 0.5)
+    monkeypatch.setattr("beltsort.sweep.cluster.CONNECTING", 0.5)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         nobody = Cluster(f"127.0.0.1:{free.getsockname()[1]}")

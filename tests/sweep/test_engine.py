@@ -7,10 +7,10 @@ import pytest
 
 import beltsort
 from beltsort.errors import SweepError
-from beltsort.experiments.sweep import engine
-from beltsort.experiments.sweep.attempt import attempt
-from beltsort.experiments.sweep.engine import run_points, version
-from beltsort.experiments.sweep.store import RowStore
+from beltsort.sweep import engine
+from beltsort.sweep.attempt import attempt
+from beltsort.sweep.engine import run_points, version
+from beltsort.sweep.store import RowStore
 from tests.sweep import tasks
 
 pytestmark = pytest.mark.process

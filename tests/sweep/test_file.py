@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from beltsort.errors import SweepError
-from beltsort.experiments.sweep.grid import seeds_of
-from beltsort.experiments.sweep.run import Sweep
+from beltsort.sweep.grid import seeds_of
+from beltsort.sweep.run import Sweep
 
 PAPER = Path(__file__).parent.parent / "fixtures" / "paper.json"
 MODEL = f'[model]\nfile = "{PAPER}"\n'

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.sim import CellConfig
 from beltsort.perception import NearestNeighbour
+from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_training
 
 

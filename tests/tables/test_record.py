@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beltsort.sim import CellConfig
 from beltsort.errors import CloudError, DatabaseError, RecordingError
 from beltsort.perception import NearestNeighbour
+from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_scans
+from beltsort.sim.record import record_simulated
 from beltsort.tables.label import label_recording
 from beltsort.tables.log import LabelLog
-from beltsort.sim.record import record_simulated
 from beltsort.tables.recording import MANIFEST, Recording, read_recording
 
 

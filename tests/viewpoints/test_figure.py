@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.experiments.sphere_figure import draw_sphere
 from beltsort.viewpoints import Sampling, map_viewpoints
+from beltsort.viewpoints.figure import draw_sphere
 
 
 @pytest.mark.parametrize(("viewpoints", "lowest"), [(1, 0.0), (5, 30.0), (40, 0.0)])

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import beltsort
-from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.errors import ViewpointError
 from beltsort.geometry import Points, Pose, on_sphere
+from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from beltsort.viewpoints.graph import Edges
 from beltsort.viewpoints.sphere import METHODS

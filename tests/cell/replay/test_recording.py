@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from beltsort.cell import Arm, Belt, DepthCamera, Outcome, Scan
-from beltsort.sim import Camera, CellConfig, SimulatedCell
 from beltsort.drivers.replay import (
     Recorder,
     RecordingArm,
@@ -16,6 +15,7 @@ from beltsort.drivers.replay import (
     ReplayOptions,
 )
 from beltsort.errors import CellError
+from beltsort.sim import Camera, CellConfig, SimulatedCell
 
 SMALL = CellConfig(camera=Camera(width=64, height=48, focal=57.0))
 

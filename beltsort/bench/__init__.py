@@ -1,0 +1,1 @@
+"""How fast planning and perception are on this machine."""

@@ -1,0 +1,182 @@
+"""Sort many objects from simulated depth scans, and keep every belief beside the truth.
+
+A run is one simulated cell of its own, `objects` to be sorted and others behind them, so that no position is
+ever empty. What a run's objects are, how they lie, and the noise of the n-th scan since the belt moved depend
+on its seed only: models that are compared, the *arms*, sort the same objects in the same noise as long as
+they look from the same viewpoints.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from beltsort import ArgumentError, Despot, SortingModel
+from beltsort.calibration.reliability import Pairs
+from beltsort.perception import NearestNeighbour, Perception
+from beltsort.sim import CellConfig
+from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.progress import Progress
+from beltsort.util import processes
+from beltsort.util.processes import at_least_one, in_processes
+from beltsort.util.randomness import checked_seed, generator
+
+RUN_LENGTH = 10  # objects, as in the paper
+TRIALS = 300
+CALIBRATION_STREAM = 2  # neither trained on nor counted: see `beltsort.sim.rounds`
+
+
+@dataclass(frozen=True)
+class SortedRun:
+    """What a run believed, and what was true.
+
+    Attributes
+    ----------
+    true
+        Class index of each object sorted.
+    steps
+        Moves and decisions.
+    decisions
+        (object, label, belief in it) of each.
+    beliefs
+        (object, probabilities of all classes) after each scan for each position.
+    """
+
+    true: tuple[int, ...]
+    steps: int
+    decisions: tuple[tuple[int, int, float], ...]
+    beliefs: tuple[tuple[int, tuple[float, ...]], ...]
+
+    @property
+    def correct(self) -> int:
+        """Number of right decisions."""
+        return sum(self.true[number] == label for number, label, _ in self.decisions)
+
+
+def run_in(entries: Sequence[Entry], true: Sequence[int]) -> SortedRun:
+    """Read from a journal what a run believed.
+
+    Parameters
+    ----------
+    entries
+        Of the whole run.
+    true
+        Class index of each object that was to be sorted; what is told of further ones is left out.
+    """
+    beliefs, decisions = [], []
+    for entry in entries:
+        first = entry.object or 0
+        if entry.kind == "scan":
+            rows = enumerate(entry.data["belief"], start=first)
+            beliefs += [(number, tuple(row)) for number, row in rows if number < len(true)]
+        elif entry.kind == "decision":
+            decisions.append((first, entry.data["label"], entry.data["belief"]))
+    return SortedRun(tuple(true), Progress.after(entries).steps, tuple(decisions), tuple(beliefs))
+
+
+def sort_many(
+    models: Sequence[SortingModel],
+    database: NearestNeighbour,
+    config: CellConfig | None = None,
+    *,
+    objects: int,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: processes.Progress | None = None,
+) -> list[list[SortedRun]]:
+    """Sort objects of all classes with each of the models, planned by DESPOT.
+
+    As with `beltsort.tables.collect_training`, a script calls this under `if __name__ == "__main__":`.
+
+    Parameters
+    ----------
+    models
+        The arms, for the cell's classes, viewpoints and positions, all with one arrival prior.
+    database
+        The classifier.
+    config
+        What the cell is set to.
+    objects
+        Objects that each arm sorts, drawn from the arrival prior; rounded up to whole runs of `RUN_LENGTH`.
+    seed
+        Not negative.
+    workers, progress
+        As in `beltsort.tables.collect_counts`.
+
+    Returns
+    -------
+    list
+        The runs of each arm.
+
+    Raises
+    ------
+    ArgumentError
+        If `objects` or `workers` is below 1, or the models cannot be compared.
+    BeltsortError
+        Whatever the loop raises.
+    """
+    _check_arms(models)
+    texts = [model.to_json() for model in models]
+    work = [(text, number) for number in runs_of(objects) for text in texts]
+    task = partial(_sorted, config or CellConfig(), database, checked_seed(seed))
+    runs = list(in_processes(task, work, workers, progress))
+    return [runs[arm :: len(texts)] for arm in range(len(texts))]
+
+
+def runs_of(objects: int) -> range:
+    """Return the numbers of the runs in which so many objects are sorted."""
+    return range(-(-at_least_one("objects", objects) // RUN_LENGTH))
+
+
+def _check_arms(models: Sequence[SortingModel]) -> None:
+    if not models or any(not np.array_equal(model.arrival, models[0].arrival) for model in models):
+        raise ArgumentError(
+            f"{len(models)} models with different arrival priors or none at all, expected at least one, all "
+            "with the same prior: the objects are drawn from it"
+        )
+    if any(model.empty is not None for model in models):
+        raise ArgumentError("a model has a class for empty cups, of which there are none here; leave it out")
+
+
+def _sorted(config: CellConfig, database: NearestNeighbour, seed: int, work: tuple[str, int]) -> SortedRun:
+    """Sort the objects of one run."""
+    from beltsort.sim import SimulatedCell
+
+    text, number = work
+    model, rng = SortingModel.from_json(text), generator(seed, CALIBRATION_STREAM, number)
+    places = RUN_LENGTH + config.layout.positions - 1 + config.upstream
+    true = rng.choice(len(model.classes), size=places, p=model.arrival).tolist()
+    cell = SimulatedCell(true, config, int(rng.integers(2**63)))
+    perceive = Perception(config.layout, database)
+    planner = Despot(model, seed=number, trials=TRIALS, threads=1)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "journal.sqlite"
+        with Journal(path) as journal:
+            sort_objects(cell, perceive, planner, model, journal, objects=RUN_LENGTH)
+        return run_in(read_journal(path), true[:RUN_LENGTH])
+
+
+def decision_pairs(runs: Sequence[SortedRun]) -> Pairs:
+    """Return the belief in each decision, and whether it was right."""
+    rows = [
+        (belief, run.true[number] == label, n * RUN_LENGTH + number)
+        for n, run in enumerate(runs)
+        for number, label, belief in run.decisions
+    ]
+    beliefs, true, objects = zip(*rows, strict=True)
+    return Pairs(np.array([beliefs]).T, np.array([true]).T, objects, RUN_LENGTH * len(runs))
+
+
+def step_pairs(runs: Sequence[SortedRun]) -> Pairs:
+    """Return the belief in every class after each scan for each position, and which was true."""
+    rows = [
+        (row, np.arange(len(row)) == run.true[number], n * RUN_LENGTH + number)
+        for n, run in enumerate(runs)
+        for number, row in run.beliefs
+    ]
+    beliefs, true, objects = zip(*rows, strict=True)
+    return Pairs(beliefs, np.stack(true), objects, RUN_LENGTH * len(runs))

@@ -1,1 +1,0 @@
-"""What a researcher runs: the demonstration, and pictures of runs."""

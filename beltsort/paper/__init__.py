@@ -1,0 +1,88 @@
+"""The paper's experiments, by one call or piece by piece.
+
+`reproduce` runs everything and writes a folder. In a notebook the pieces are there too: `run_experiments`
+gives rows with one number per batch, `plain_table` makes means and standard errors of them, each figure is a
+function that returns a matplotlib figure, and `all_findings` says which claims hold.
+
+References
+----------
+A. Mezei, L. Tamas, L. Busoniu, "Sorting objects from a conveyor belt using active perception with a POMDP
+model", European Control Conference 2019.
+
+Examples
+--------
+One point of Fig. 5, with labels drawn from the paper's tables:
+
+>>> from beltsort import paper
+>>> model = paper.PAPER.model.replace(r_min=5.0)
+>>> point = paper.label_point(paper.QUICK, 0, model, paper.FOUR, batches=20)
+>>> (row,) = paper.plain_table([point | paper.simulate_labels(point)])
+>>> row["policy"], row["r_min"], 15 < row["steps"] < 25
+('DESPOT', 5.0, True)
+"""
+
+from beltsort.paper.beyond_figures import beyond_figure, bounds_figure
+from beltsort.paper.claims import claims
+from beltsort.paper.clouds_figure import clouds_figure
+from beltsort.paper.curves import accuracy_figure, one_against_two_figure, steps_figure
+from beltsort.paper.design import FULL, QUICK, Design
+from beltsort.paper.figures import single_position_run
+from beltsort.paper.findings import all_findings
+from beltsort.paper.instances import FOUR, OBJECTS, PAPER, TWO, Instance, Objects
+from beltsort.paper.labels import label_point, label_points, simulate_labels
+from beltsort.paper.optimum import bound_optimum, losses_table
+from beltsort.paper.outcomes import only, plain_table, select
+from beltsort.paper.propagation import propagated, propagation_figure
+from beltsort.paper.reproduction import Reproduction, reproduce
+from beltsort.paper.run import Results, cell_of, run_experiments
+from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
+from beltsort.paper.sphere import reached_sphere
+from beltsort.paper.statistics import Estimate, difference, mean, saving, slope
+from beltsort.paper.verdicts import Finding, Verdict
+
+__all__ = [
+    "FOUR",
+    "FULL",
+    "OBJECTS",
+    "PAPER",
+    "QUICK",
+    "TWO",
+    "Design",
+    "Estimate",
+    "Finding",
+    "Instance",
+    "Objects",
+    "PreparedCell",
+    "Reproduction",
+    "Results",
+    "Verdict",
+    "accuracy_figure",
+    "all_findings",
+    "beyond_figure",
+    "bound_optimum",
+    "bounds_figure",
+    "cell_of",
+    "claims",
+    "clouds_figure",
+    "difference",
+    "label_point",
+    "label_points",
+    "losses_table",
+    "mean",
+    "one_against_two_figure",
+    "only",
+    "plain_table",
+    "propagated",
+    "propagation_figure",
+    "reached_sphere",
+    "reproduce",
+    "run_experiments",
+    "saving",
+    "scan_points",
+    "select",
+    "simulate_labels",
+    "single_position_run",
+    "slope",
+    "sort_scans",
+    "steps_figure",
+]

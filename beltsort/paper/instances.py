@@ -1,0 +1,86 @@
+"""The models that are planned with: the paper's tables, the simulated cell's, and what is made of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from beltsort import SortingModel
+from beltsort.models import paper
+from beltsort.paper.printed import CLASSES_DRAWN
+
+FADING = 0.2
+"""How much nearer to pure chance each further position is, beyond the two of the paper."""
+
+
+@dataclass(frozen=True)
+class Instance:
+    """Tables under a name.
+
+    Attributes
+    ----------
+    name
+        `paper` or `cell`.
+    model
+        With two positions.
+    """
+
+    name: str
+    model: SortingModel
+
+
+PAPER = Instance("paper", paper())
+"""Three rows as printed, the others filled in; see `beltsort.models.paper`."""
+
+
+@dataclass(frozen=True)
+class Objects:
+    """Which bulbs come.
+
+    Attributes
+    ----------
+    name
+        As tables and figures call them.
+    classes
+        Drawn from uniformly.
+    """
+
+    name: str
+    classes: tuple[str, ...]
+
+    def labels(self, model: SortingModel) -> list[int] | None:
+        """Return the class indices to draw from, or None where every class of the model comes."""
+        if set(self.classes) == set(model.classes):
+            return None
+        return [model.classes.index(name) for name in self.classes]
+
+
+TWO = Objects("two classes", CLASSES_DRAWN)
+FOUR = Objects("four classes", tuple(paper().classes))
+OBJECTS = (TWO, FOUR)
+
+
+def with_more_positions(model: SortingModel, positions: int) -> SortingModel:
+    """Return the model with so many positions; further ones see like the last, ever nearer to chance."""
+    known = model.p_obs
+    chance = 1.0 / len(model.classes)
+    further = [
+        known[-1] + (chance - known[-1]) * min(1.0, FADING * step)
+        for step in range(1, positions - len(known) + 1)
+    ]
+    return model.replace(p_obs=np.stack([*known, *further])[:positions])
+
+
+def sharpened(model: SortingModel, exponent: float) -> SortingModel:
+    """Return what a planner believes that takes its classifier for better (above 1) or worse than it is.
+
+    Every row of the tables is raised to the exponent and made to sum to 1 again.
+    """
+    powers = model.p_obs**exponent
+    return model.replace(p_obs=powers / powers.sum(axis=-1, keepdims=True))
+
+
+def with_arrival(model: SortingModel, objects: Objects, share: float) -> SortingModel:
+    """Return the model whose arrival prior is uniform but for a share that knows which classes come."""
+    uniform = np.full(len(model.classes), 1.0 / len(model.classes))
+    known = np.array([name in objects.classes for name in model.classes]) / len(objects.classes)
+    return model.replace(arrival=((1.0 - share) * uniform + share * known).tolist())

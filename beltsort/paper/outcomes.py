@@ -1,0 +1,87 @@
+"""What came out at one point: a row for a policy under one condition, with one number per batch."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from beltsort import ArgumentError
+from beltsort.paper.statistics import Estimate, mean
+
+Point = dict[str, Any]
+"""Plain JSON data that says all that a task needs to know."""
+
+Row = dict[str, Any]
+"""A point's condition (`CONDITION`), and lists with one number per batch (`OUTCOMES`)."""
+
+CONDITION = (
+    *("study", "setting", "level", "instance", "objects"),
+    *("positions", "discount", "r_min", "policy", "parameter"),
+)
+OUTCOMES = ("steps", "positives", "negatives", "returns")
+
+
+def condition(row: Mapping[str, Any]) -> Row:
+    """Return the condition of a row, or of a point whose policy has no parameter."""
+    return {name: row.get(name) if name == "parameter" else row[name] for name in CONDITION}
+
+
+def select(rows: Iterable[Row], **wanted: Any) -> list[Row]:
+    """Return the rows of a condition, by r_min.
+
+    Examples
+    --------
+    >>> rows = [{"r_min": 50, "positions": 1}, {"r_min": 5, "positions": 1}, {"r_min": 5, "positions": 2}]
+    >>> select(rows, positions=1)
+    [{'r_min': 5, 'positions': 1}, {'r_min': 50, 'positions': 1}]
+    """
+    found = [row for row in rows if all(row[name] == value for name, value in wanted.items())]
+    return sorted(found, key=lambda row: float(row["r_min"]))
+
+
+def only(rows: Iterable[Row], **wanted: Any) -> Row:
+    """Return the one row of a condition.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none, or more than one.
+    """
+    found = select(rows, **wanted)
+    if len(found) != 1:
+        raise ArgumentError(f"{len(found)} rows with {wanted}, expected one; say all of the condition")
+    return found[0]
+
+
+def estimates(row: Row) -> dict[str, Estimate]:
+    """Return the mean of each outcome of a row."""
+    return {name: mean(row[name]) for name in OUTCOMES}
+
+
+def pooled(rows: Sequence[Row]) -> list[Row]:
+    """Join rows of one condition, whose batches were run one by one, in the order of their first."""
+    together: dict[tuple[Any, ...], Row] = {}
+    for row in rows:
+        joined = together.setdefault(
+            tuple(row[name] for name in CONDITION), {**condition(row), **{name: [] for name in OUTCOMES}}
+        )
+        for name in OUTCOMES:
+            joined[name] = [*joined[name], *row[name]]
+    return list(together.values())
+
+
+def plain_table(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """Return means and standard errors instead of the single batches: what the CSV files hold."""
+    return [
+        {
+            **condition(row),
+            "batches": len(row["steps"]),
+            **{
+                column: value
+                for name, estimate in estimates(row).items()
+                for column, value in (
+                    (name, estimate.value),
+                    (f"{name}_standard_error", estimate.standard_error),
+                )
+            },
+        }
+        for row in rows
+    ]

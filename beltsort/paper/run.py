@@ -1,0 +1,119 @@
+"""All experiments, one after the other; each finished point is kept, so that a run that broke off goes on."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from beltsort.paper.beyond import beyond_points
+from beltsort.paper.design import Design
+from beltsort.paper.findings import all_findings
+from beltsort.paper.instances import PAPER
+from beltsort.paper.labels import label_points, simulate_labels
+from beltsort.paper.optimum import bound_optimum, optimum_points
+from beltsort.paper.outcomes import Point, Row, pooled
+from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
+from beltsort.paper.verdicts import Finding
+from beltsort.sim import CellConfig
+from beltsort.sim.prepare import Prepared, StageProgress
+from beltsort.sweep.engine import run_points
+
+STORE = "points"
+Task = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """What came out, with one number per batch.
+
+    Attributes
+    ----------
+    cell
+        The simulated cell whose tables were used.
+    labels, scans, beyond
+        Rows of the experiments with labels from tables, with depth scans, and of the further studies.
+    optimum
+        Bounds and losses; see `bound_optimum`.
+    seconds
+        Time that each stage took now.
+    """
+
+    cell: PreparedCell
+    labels: list[Row]
+    scans: list[Row]
+    beyond: list[Row]
+    optimum: list[Row]
+    seconds: dict[str, float]
+
+    @property
+    def optimum_play(self) -> list[Row]:
+        """Rows of acting by the offline solutions."""
+        return [row for solved in self.optimum for row in solved["rows"]]
+
+    @property
+    def rows(self) -> list[Row]:
+        """All rows of the paper's own experiments, the optimum's included."""
+        return [*self.labels, *self.scans, *self.optimum_play]
+
+    def findings(self) -> list[Finding]:
+        """Return which claims hold."""
+        return all_findings(self.rows, self.beyond, self.optimum)
+
+
+def cell_of(prepared: Prepared, folder: Path) -> PreparedCell:
+    """Return the default simulated cell as trained; its classifier is written to a folder."""
+    config = CellConfig()
+    names = [viewpoint.name for viewpoint in config.viewpoints]
+    note = "simulated cell: says what the simulator was set to"
+    model = prepared.counts.model(config.classes, names, note=note)
+    return PreparedCell.stored(model, prepared.database, folder)
+
+
+def run_experiments(
+    cell: PreparedCell,
+    folder: Path,
+    design: Design,
+    *,
+    seed: int = 0,
+    workers: int | None = None,
+    stage: StageProgress | None = None,
+) -> Results:
+    """Run what a design asks for, but for the points that the folder has already.
+
+    The same seed gives the same rows whatever the number of processes; only the optimum's depend on the
+    machine's speed. As with `prepare`, a script calls this under `if __name__ == "__main__":`.
+
+    Parameters
+    ----------
+    cell
+        See `cell_of`.
+    folder
+        Where finished points are kept.
+    design
+        `FULL`, `QUICK`, or your own.
+    seed
+        Of everything.
+    workers
+        Processes; default one for each core.
+    stage
+        Called with a stage's name, returns what is called with points done and in all.
+
+    Raises
+    ------
+    ArgumentError
+        If the seed is negative or `workers` is below 1.
+    """
+    stages: dict[str, tuple[Task, list[Point]]] = {
+        "labels": (simulate_labels, label_points(design, seed, (PAPER, cell.instance))),
+        "scans": (sort_scans, scan_points(design, seed, cell)),
+        "beyond": (simulate_labels, beyond_points(design, seed)),
+        "optimum": (bound_optimum, optimum_points(design, seed)),
+    }
+    rows, seconds = {}, {}
+    for name, (task, points) in stages.items():
+        began = perf_counter()
+        progress = None if stage is None else stage(name)
+        rows[name] = run_points(task, points, folder / STORE / name, workers=workers, progress=progress)
+        seconds[name] = perf_counter() - began
+    return Results(cell, rows["labels"], pooled(rows["scans"]), rows["beyond"], rows["optimum"], seconds)

@@ -1,0 +1,108 @@
+"""How every figure of the report looks: told apart by colour-blind readers, in grey, and in print."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from beltsort.paper.outcomes import Row
+from beltsort.paper.statistics import CONFIDENCE, mean
+from beltsort.sorting.belief_figure import COLOURS, MARKERS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LINES = ("-", "--", "-.", ":")
+FORMATS = (".png", ".svg")
+DPI = 150
+PALETTE = 128  # colours of a PNG
+PANEL = (3.6, 2.9)  # inches
+ERROR_BARS = f"error bars: {100 * CONFIDENCE:.0f} % confidence intervals of the mean"
+ASIDE = 1.05
+"""A step aside on an axis of r_min, which is logarithmic."""
+PRINTED: dict[str, Any] = {
+    "color": "black",
+    "marker": "*",
+    "linestyle": "none",
+    "markersize": 11,
+    "zorder": 5,
+}
+"""Style of the paper's own numbers."""
+
+
+def style(number: int, *, filled: bool = True) -> dict[str, Any]:
+    """Return colour, marker and line of the n-th thing of a figure."""
+    colour = COLOURS[number % len(COLOURS)]
+    return {
+        "color": colour,
+        "marker": MARKERS[number % len(MARKERS)],
+        "linestyle": LINES[number % len(LINES)],
+        "markerfacecolor": colour if filled else "white",
+        "markersize": 5,
+        "linewidth": 1.3,
+        "capsize": 2.5,
+    }
+
+
+def new_figure(rows: int, columns: int, panel: tuple[float, float] = PANEL) -> "tuple[Figure, Any]":
+    """Return a figure and its panels, shape (rows, columns)."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(columns * panel[0], rows * panel[1] + 0.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+def penalty_curve(panel: "Axes", rows: Sequence[Row], outcome: str, aside: float, **look: Any) -> None:
+    """Draw an outcome against r_min, `aside` steps beside its place, so that no curve hides another."""
+    curve(panel, [row["r_min"] * ASIDE**aside for row in rows], rows, outcome, **look)
+
+
+def curve(panel: "Axes", x: Sequence[float], rows: Sequence[Row], outcome: str, **look: Any) -> None:
+    """Draw means with their intervals, a point per row."""
+    points = [mean(row[outcome]) for row in rows]
+    half = [estimate.interval[1] - estimate.value for estimate in points]
+    panel.errorbar(x, [estimate.value for estimate in points], yerr=half, **look)
+
+
+def penalty_axis(panel: "Axes", ticks: Sequence[float]) -> None:
+    """Make the x axis that of r_min."""
+    panel.set_xscale("log")
+    panel.set_xlim(ticks[0] / 1.3, ticks[-1] * 1.3)
+    panel.set_xticks(ticks, [f"{tick:g}" for tick in ticks], minor=False)
+    panel.minorticks_off()
+    panel.set_xlabel("$r_\\mathrm{min}$, penalty of a wrong decision")
+    panel.grid(alpha=0.3)
+
+
+def shared_legend(figure: "Figure", panels: Sequence["Axes"], columns: int = 4) -> None:
+    """Put one legend below all panels, naming each thing once."""
+    entries = {
+        label: handle
+        for panel in panels
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=columns, fontsize=8)
+
+
+def save_figure(figure: "Figure", folder: Path, name: str) -> None:
+    """Write a figure in every format, the same bytes for the same figure."""
+    from matplotlib import rc_context
+
+    def draw(path: Path) -> None:
+        figure.savefig(path, dpi=DPI, metadata={"Date": None} if path.suffix == ".svg" else {})
+
+    with rc_context({"svg.hashsalt": name}):
+        save_drawn(draw, folder, name)
+
+
+def save_drawn(draw: Callable[[Path], None], folder: Path, name: str) -> None:
+    """Write what `draw` draws in every format; a PNG gets a palette, which makes it a third of its size."""
+    from PIL import Image
+
+    for path in (folder / f"{name}{ending}" for ending in FORMATS):
+        draw(path)
+        if path.suffix == ".png":
+            drawn = Image.open(path).convert("RGB")
+            drawn.quantize(PALETTE, dither=Image.Dither.NONE).save(path, optimize=True)
