@@ -11,8 +11,8 @@ from beltsort.models import paper
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.report import SortingReport
-from tests.loop.scripted_cell import ScriptedCell, scripted
-from tests.loop.test_sorter import LookOnceEach
+from tests.sorting.scripted_cell import ScriptedCell, scripted
+from tests.sorting.test_sorter import LookOnceEach
 
 OBJECTS = 50
 

@@ -16,7 +16,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 LONGEST = (
     "tests/contract/test_actuators.py",
-    "tests/experiments/test_reproduce.py",
+    "tests/paper/test_reproduce.py",
     "tests/second/test_sequences.py",
 )
 """Files that take minutes, each in one process: begun first, so that nobody waits for them in the end."""

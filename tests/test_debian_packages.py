@@ -59,7 +59,7 @@ def normal(distribution: str) -> str:
 
 def made_here() -> set[str]:
     """Return the message packages whose messages are made from definitions, without importing anything."""
-    source = (ROOT / "beltsort" / "cell" / "ros1" / "messages.py").read_text("utf-8")
+    source = (ROOT / "beltsort" / "drivers" / "ros1" / "messages.py").read_text("utf-8")
     (definitions,) = (
         node.value
         for node in ast.parse(source).body
@@ -109,7 +109,7 @@ def test_a_module_that_nothing_installs_is_told_with_its_place(
 ) -> None:
     monkeypatch.setattr(sys.modules[__name__], "LIST", tmp_path / "list")
     (tmp_path / "list").write_text("ros1 rospy python3-rospy\n")
-    told = unaccounted(iter([ROOT / "beltsort" / "cell" / "ros1" / "messages.py"]))
+    told = unaccounted(iter([ROOT / "beltsort" / "drivers" / "ros1" / "messages.py"]))
     assert any(line.endswith(" trajectory_msgs") for line in told)
 
 

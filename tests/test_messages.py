@@ -34,7 +34,7 @@ from beltsort.sweep.run import Sweep
 from beltsort.tables.log import LabelLog
 from beltsort.tables.recording import read_recording
 from beltsort.viewpoints import ViewpointMap, map_viewpoints
-from tests.cell.cell_files import changed
+from tests.cellfile.cell_files import changed
 from tests.core.models import PAPER
 
 TABLES = [[[[0.5, 0.5], [0.1, 0.9]]]]

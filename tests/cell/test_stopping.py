@@ -5,7 +5,7 @@ import pytest
 import beltsort
 from beltsort.cell import CommandError, Outcome
 from beltsort.cell.stopping import stopping
-from tests.loop.scripted_cell import ScriptedCell
+from tests.sorting.scripted_cell import ScriptedCell
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json")
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from tests.cell.cell_files import changed
+from tests.cellfile.cell_files import changed
 
 PREPARE = "[prepare]\ntraining_objects = 40\ntable_objects = 100"
 

@@ -19,7 +19,7 @@ from beltsort.sim.prepare import Prepared, Recipe
 from beltsort.sorting.journal import read_journal
 from beltsort.sorting.progress import Progress
 from beltsort.tables.counts import Look, count
-from tests.cell.cell_files import changed
+from tests.cellfile.cell_files import changed
 from tests.cli.cells import PREPARE, cell_file
 from tests.cli.running import process
 from tests.contract.peers import OpcuaPeer

@@ -10,7 +10,7 @@ import pytest
 from beltsort.sorting.audit import steps_of
 from beltsort.sorting.journal import read_journal
 from beltsort.sorting.report import SortingReport
-from tests.loop.killed_run import OBJECTS, run
+from tests.sorting.killed_run import OBJECTS, run
 
 from .running import command, json_of, output
 

@@ -9,7 +9,7 @@ import numpy as np
 from beltsort.drivers.replay import Replay, ReplayOptions
 from beltsort.drivers.ros.clouds import Cloud, packed
 from beltsort.geometry import Points
-from tests.cell.replay import bags
+from tests.drivers.replay import bags
 
 OBJECTS, ROUNDS = 12, 6
 GOOD = np.random.default_rng(3).uniform(0.2, 0.8, (2, 3, 3)).astype(np.float32).astype(np.float64)

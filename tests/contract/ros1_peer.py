@@ -6,8 +6,8 @@ from typing import Any
 
 from beltsort.cell import CommandError
 from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
-from tests.cell.ros1 import scene
-from tests.cell.ros1.rig import Rig, require_ros
+from tests.drivers.ros1 import scene
+from tests.drivers.ros1.rig import Rig, require_ros
 from tests.contract.peer import ProcessPeer, SeeingPeer
 from tests.waiting import wait_until
 
@@ -15,7 +15,7 @@ SLOW = {"arm": {"speed": 0.15}, "belt": {"travel": 4.0}, "sorter": {"sort": 4.0}
 
 
 class Ros1Peer(SeeingPeer, ProcessPeer):
-    """The peer of tests/cell/ros1."""
+    """The peer of tests/drivers/ros1."""
 
     actuators = ("arm", "arm by action", "belt", "sorter")
 

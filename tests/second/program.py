@@ -30,8 +30,8 @@ from beltsort.sorting.locks import locked
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.rules import Rules
-from tests.loop.killed_run import perceive
-from tests.loop.scripted_cell import LookOnce, ScriptedCell
+from tests.sorting.killed_run import perceive
+from tests.sorting.scripted_cell import LookOnce, ScriptedCell
 
 CLASSES = 4
 MODEL = paper().replace(p_obs=np.tile(0.01 + 0.96 * np.eye(CLASSES), (2, 3, 1, 1)), r_min=5)

@@ -25,8 +25,8 @@ from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan, Faults
 from tests.account import Account
 from tests.contract.peers import OpcuaPeer
-from tests.loop.killed_run import perceive
-from tests.loop.scripted_cell import Glimpsed, ScriptedCell
+from tests.sorting.killed_run import perceive
+from tests.sorting.scripted_cell import Glimpsed, ScriptedCell
 
 OBJECTS, SEED, HUNDRED = 1000, 2019, 100
 MODEL = paper().replace(r_min=5)

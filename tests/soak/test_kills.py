@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from tests.account import Account
-from tests.loop.killed_run import OBJECTS, FileWorld, run
-from tests.loop.test_resume import check_as_if_uninterrupted, killed, points
+from tests.sorting.killed_run import OBJECTS, FileWorld, run
+from tests.sorting.test_resume import check_as_if_uninterrupted, killed, points
 
 KILLS, SEED = 100, 2019
 

@@ -1,0 +1,148 @@
+"""Everything is written; the numbers depend on the seed alone, whatever happens to the processes."""
+
+import os
+import re
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from beltsort import paper
+from beltsort.cli import main
+from beltsort.cli.reproduce import show_text
+from beltsort.paper import Reproduction, run_experiments
+from beltsort.paper.files import REPRODUCIBLE, write_tables
+from beltsort.paper.run import STORE
+from beltsort.sim.prepare import Prepared
+from tests.waiting import wait_until
+
+from .conftest import Commanded
+from .tiny import SEED, TINY
+
+pytestmark = pytest.mark.process
+
+ROOT = Path(__file__).parents[2]
+FIGURES = {
+    "figure_1_sphere", "figure_1_clouds", "figure_2_propagation", "figure_3_run", "figure_4_one_position",
+    "figure_5_two_positions", "figure_6_steps", "figure_7_one_against_two", "bounds", "beyond",
+}  # fmt: skip
+
+
+def test_every_figure_is_there_and_shows_something(reproduction: Reproduction, folder: Path) -> None:
+    from matplotlib.image import imread
+
+    assert {picture.name for picture in reproduction.pictures} == FIGURES
+    for name in FIGURES:
+        pixels = imread(folder / f"{name}.png")[..., :3]
+        assert np.mean(pixels.min(axis=-1) < 0.9) > 0.01, name
+        drawing = (folder / f"{name}.svg").read_text()
+        assert drawing.count("<path") > 20, name
+
+
+def test_axes_have_names_and_the_papers_numbers_are_marked(reproduction: Reproduction, folder: Path) -> None:
+    texts = re.findall(r"<!-- *(.*?) *-->", (folder / "figure_6_steps.svg").read_text())
+    assert texts.count("steps for ten objects") == 6
+    assert {"paper's robot, one position", "paper's robot, two positions", "DESPOT, two positions"} <= set(
+        texts
+    )
+
+
+def test_the_report_needs_no_other_file(reproduction: Reproduction) -> None:
+    page = reproduction.report.read_text()
+    assert not re.search(r"(?:src|href)=['\"](?!data:)", page)
+    assert page.count("data:image/png;base64,") == len(FIGURES)
+    for said in ("beltsort 0", "processors", "p(observed | true = elongated), position 1"):
+        assert said in page
+    assert page.rindex("Findings</h2>") > page.rindex("</figure>"), "the findings end it"
+
+
+def test_rows_are_whole(reproduction: Reproduction) -> None:
+    results = reproduction.results
+    for row in [*results.rows, *results.beyond]:
+        assert np.add(row["positives"], row["negatives"]).max() <= 10
+        assert min(row["steps"]) >= 10
+        returns = [
+            10 * right - row["r_min"] * wrong - (steps - right - wrong)
+            for right, wrong, steps in zip(row["positives"], row["negatives"], row["steps"], strict=True)
+        ]
+        np.testing.assert_allclose(row["returns"], returns)
+    for solved in results.optimum:
+        assert solved["lower"] <= solved["upper"]
+        assert min(map(min, solved["losses"].values())) >= 0.0
+    assert {row["parameter"] is None for row in paper.select(results.labels, policy="threshold")} == {False}
+
+
+def halve(store: Path) -> int:
+    """Forget every second of the finished points; return how many are left."""
+    with closing(sqlite3.connect(store)) as database, database:
+        database.execute("DELETE FROM points WHERE rowid % 2 = 0")
+        return int(database.execute("SELECT count(*) FROM points").fetchone()[0])
+
+
+def rows_in(store: Path) -> int:
+    with closing(sqlite3.connect(store)) as database:
+        return int(database.execute("SELECT count(*) FROM points").fetchone()[0])
+
+
+def test_killed_resumed_and_on_two_processes_the_numbers_are_the_same(
+    prepared: Prepared, reproduction: Reproduction, folder: Path, tmp_path: Path
+) -> None:
+    cell, model = reproduction.results.cell, tmp_path / "model.json"
+    cell.instance.model.save(model)
+    shutil.copytree(folder / STORE, tmp_path / STORE)
+    left = {stage: halve(tmp_path / STORE / stage / "rows.sqlite") for stage in ("labels", "scans")}
+    command = [sys.executable, "-m", "tests.paper.tiny", str(model), str(cell.database), str(tmp_path)]
+    with subprocess.Popen(command, cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}) as killed:
+        scans = tmp_path / STORE / "scans" / "rows.sqlite"
+        wait_until(
+            lambda: killed.poll() is not None or rows_in(scans) > left["scans"],
+            "a row of scans",
+            timeout=250.0,
+        )
+        killed.send_signal(signal.SIGKILL)
+    assert killed.returncode == -signal.SIGKILL
+    first: dict[str, tuple[int, int]] = {}
+    resumed = run_experiments(
+        cell, tmp_path, TINY, seed=SEED, workers=2,
+        stage=lambda name: lambda done, total: first.setdefault(name, (done, total)) and None,
+    )  # fmt: skip
+    assert first["labels"][0] == first["labels"][1], "what was finished is not run again"
+    assert left["scans"] < first["scans"][0] < first["scans"][1]
+    write_tables(resumed, prepared.counts, tmp_path)
+    for name in REPRODUCIBLE:
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
+
+
+def test_another_seed_gives_other_numbers() -> None:
+    points = [paper.label_point(TINY, seed, paper.PAPER.model, paper.FOUR, batches=20) for seed in (0, 1)]
+    one, other = (paper.simulate_labels(point)["steps"] for point in points)
+    assert one != other
+    assert one == paper.simulate_labels(points[0])["steps"]
+
+
+def test_the_command_tells_what_it_found(
+    commanded: Commanded, reproduction: Reproduction, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = commanded.printed
+    assert told["findings"] == [finding.plain() for finding in reproduction.results.findings()]
+    assert told["findings"][0]["claim"] == "two positions need fewer steps"
+    assert "beltsort reproduce --quick" in Path(told["report"]).read_text()
+    show_text(reproduction)
+    assert "two positions need fewer steps" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"), [(["--seed", "-1"], "seed is -1"), (["--workers", "0"], "workers is 0")]
+)
+def test_bad_arguments_are_refused_before_anything_is_done(
+    arguments: list[str], complaint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["reproduce", "-o", str(tmp_path / "new"), *arguments]) == 2
+    assert complaint in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
