@@ -7,6 +7,10 @@ class CloudError(BeltsortError):
     """A point cloud that cannot be read, or from which no descriptor can be computed."""
 
 
+class InUseError(BeltsortError):
+    """Another process works on the same run, or drives the same device."""
+
+
 class CellError(BeltsortError):
     """A robot cell was asked for something it cannot do."""
 

@@ -37,9 +37,8 @@ from beltsort.cli import (
     train,
     viewpoints,
 )
-from beltsort.errors import JournalNotWrittenError
+from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.sorting.interrupts import Interrupted
-from beltsort.sorting.locks import InUseError
 
 COMMANDS = (
     demo,

@@ -10,7 +10,7 @@ from beltsort.paper.design import Stream, seed_of
 from beltsort.perception import segment
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.bulbs import bulb
-from beltsort.sorting.belief_figure import COLOURS
+from beltsort.util.colours import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

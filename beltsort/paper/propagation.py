@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from beltsort import Belief, SortingModel
 from beltsort.paper.style import new_figure
-from beltsort.sorting.belief_figure import COLOURS
+from beltsort.util.colours import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

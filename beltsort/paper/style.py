@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from beltsort.paper.outcomes import Row
 from beltsort.paper.statistics import CONFIDENCE, mean
-from beltsort.sorting.belief_figure import COLOURS, MARKERS
+from beltsort.util.colours import COLOURS, MARKERS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

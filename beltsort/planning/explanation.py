@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from beltsort import Decide, Move, Plan, SortingModel
+from beltsort._core import Decide, Move, Plan, SortingModel
 from beltsort.planning.plan_tree import NamedAction, TreeAction, TreeBranch, TreeNode
 
 OUTCOMES = 4  # of an action that are told one by one

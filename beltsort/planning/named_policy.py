@@ -4,17 +4,17 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from beltsort import (
+from beltsort._core import (
     ArgumentError,
     Despot,
     InformationGain,
     OneObject,
-    Policy,
     Solution,
     SortingModel,
     Threshold,
     solve,
 )
+from beltsort.planning.policy import Policy
 
 DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
 HELP = (

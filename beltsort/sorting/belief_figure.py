@@ -8,10 +8,7 @@ from numpy.typing import NDArray
 from beltsort import Belief, SortingModel
 from beltsort.errors import JournalError
 from beltsort.sorting.journal import Entry
-
-# Okabe & Ito's palette: told apart by colour-blind readers too; markers tell classes apart in grey.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+from beltsort.util.colours import COLOURS, MARKERS
 
 
 def belief_over_time(

@@ -11,15 +11,11 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from beltsort import BeltsortError
 from beltsort.cell.protocols import Addressed
+from beltsort.errors import InUseError
 
 DEVICES = Path(tempfile.gettempdir()) / "beltsort-devices"
 """Folder of the locks of devices: one for all users of this machine."""
-
-
-class InUseError(BeltsortError):
-    """Another process works on the same run, or drives the same device."""
 
 
 @contextmanager

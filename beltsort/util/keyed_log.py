@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, ClassVar, Self
 
-from beltsort import BeltsortError
+from beltsort._core import BeltsortError
 
 VERSION = 1
 ATTEMPTS = 20  # at a file that others are making

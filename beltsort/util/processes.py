@@ -11,7 +11,7 @@ from multiprocessing.connection import Connection, wait
 from threading import Thread
 from typing import TypeVar
 
-import beltsort
+from beltsort._core import ArgumentError, BeltsortError
 from beltsort.util.machine import processors
 
 Progress = Callable[[int, int], None]
@@ -22,7 +22,7 @@ Result = TypeVar("Result")
 def at_least_one(name: str, number: int) -> int:
     """Return `number`, or raise an `ArgumentError` about `name` if it is below 1."""
     if number < 1:
-        raise beltsort.ArgumentError(f"{name} is {number}, expected at least 1; give a positive number")
+        raise ArgumentError(f"{name} is {number}, expected at least 1; give a positive number")
     return number
 
 
@@ -101,7 +101,7 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     try:
         yield pool
     except BrokenProcessPool:
-        raise beltsort.BeltsortError(
+        raise BeltsortError(
             f"a worker process died, expected {workers} to live: if memory ran out, give fewer workers; "
             'a script must guard its main module by `if __name__ == "__main__":`'
         ) from None

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.geometry import Points
-from beltsort.sorting.belief_figure import COLOURS
+from beltsort.util.colours import COLOURS
 from beltsort.viewpoints import ViewpointMap
 
 REACHABLE, CHOSEN = COLOURS[0], COLOURS[1]

@@ -7,16 +7,13 @@ are repeated for the reader's convenience: a file in which they contradict the g
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from beltsort.errors import ViewpointError
 from beltsort.viewpoints.plain import array_of, fields_of, list_of, of_type, short
 from beltsort.viewpoints.sphere import Sampling
-
-if TYPE_CHECKING:
-    from beltsort.viewpoints.map import ViewpointMap
 
 SAMPLING_KEYS = {"method": str, "count": int, "radius": float, "seed": int}
 GRAPH_KEYS = ("points", "reachable", "edges")
@@ -25,27 +22,6 @@ OWN_KEYS = {"lowest": float, "note": str, "neighbours_only": bool}
 KEYS = ("viewpoints", "motion_cost", "travel", "sampling", *OWN_KEYS, "graph")
 
 ROUNDING = 1e-6  # by which a repeated number may differ from what it follows from
-
-
-def plain(views: "ViewpointMap") -> dict[str, Any]:
-    """Return a map as plain data."""
-    viewpoints = [
-        {
-            "name": viewpoint.name,
-            "point": index,
-            "position": views.points[index].tolist(),
-            "world_from_camera": viewpoint.pose().tolist(),
-        }
-        for viewpoint, index in zip(views.viewpoints, views.chosen, strict=True)
-    ]
-    return {
-        "viewpoints": viewpoints,
-        "motion_cost": views.motion_cost.tolist(),
-        "travel": views.travel,
-        "sampling": {key: getattr(views.sampling, key) for key in SAMPLING_KEYS},
-        **{key: getattr(views, key) for key in OWN_KEYS},
-        "graph": {key: getattr(views, key).tolist() for key in GRAPH_KEYS},
-    }
 
 
 def text_of(data: dict[str, Any]) -> str:

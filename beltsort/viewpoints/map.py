@@ -1,5 +1,6 @@
 """The sampled half-sphere, its neighbour graph and the chosen viewpoints: what cell and model share."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -11,10 +12,20 @@ from numpy.typing import NDArray
 from beltsort import BeltsortError
 from beltsort.errors import ViewpointError
 from beltsort.geometry import Points, SphereViewpoint, direction_of
-from beltsort.viewpoints.checks import check_map
-from beltsort.viewpoints.file import check_repeated, parts_of, plain, read_plain, text_of
-from beltsort.viewpoints.graph import Edges, steps_from
+from beltsort.viewpoints.file import (
+    GRAPH_KEYS,
+    OWN_KEYS,
+    SAMPLING_KEYS,
+    check_repeated,
+    parts_of,
+    read_plain,
+    text_of,
+)
+from beltsort.viewpoints.graph import Edges, components, steps_from
 from beltsort.viewpoints.sphere import Sampling
+
+OFF_SPHERE = 1e-6  # metres
+LISTED = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +89,7 @@ class ViewpointMap:
 
     def __post_init__(self) -> None:
         """Refuse parts that contradict each other and graphs in parts."""
-        check_map(self)
+        _check_map(self)
 
     @property
     def viewpoints(self) -> tuple[SphereViewpoint, ...]:
@@ -113,7 +124,7 @@ class ViewpointMap:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write it to a JSON file; an existing one is replaced."""
-        Path(path).write_text(text_of(plain(self)))
+        Path(path).write_text(text_of(_plain(self)))
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -127,7 +138,114 @@ class ViewpointMap:
         try:
             given = read_plain(Path(path))
             views = cls(**parts_of(given))
-            check_repeated(given, plain(views))
+            check_repeated(given, _plain(views))
         except BeltsortError as reason:
             raise ViewpointError(f"{path}: {reason}") from reason
         return views
+
+
+def _plain(views: ViewpointMap) -> dict[str, Any]:
+    """Return a map as plain data."""
+    viewpoints = [
+        {
+            "name": viewpoint.name,
+            "point": index,
+            "position": views.points[index].tolist(),
+            "world_from_camera": viewpoint.pose().tolist(),
+        }
+        for viewpoint, index in zip(views.viewpoints, views.chosen, strict=True)
+    ]
+    return {
+        "viewpoints": viewpoints,
+        "motion_cost": views.motion_cost.tolist(),
+        "travel": views.travel,
+        "sampling": {key: getattr(views.sampling, key) for key in SAMPLING_KEYS},
+        **{key: getattr(views, key) for key in OWN_KEYS},
+        "graph": {key: getattr(views, key).tolist() for key in GRAPH_KEYS},
+    }
+
+
+def _check_map(views: ViewpointMap) -> None:
+    """Refuse points off the half-sphere, edges and viewpoints without a reachable point, graphs in parts."""
+    _check_points(views)
+    _check_edges(views)
+    _check_chosen(views)
+    _check_connected(views)
+    if views.neighbours_only:
+        _check_travel(views)
+
+
+def _listed(things: Iterable[object], separator: str = ", ") -> str:
+    """Return the first few of many things as text."""
+    texts = [str(thing) for thing in things]
+    more = len(texts) - LISTED
+    return separator.join(texts[:LISTED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _check_points(views: ViewpointMap) -> None:
+    count, radius = views.sampling.count, views.sampling.radius
+    for name, length in (("points", len(views.points)), ("reachable", len(views.reachable))):
+        if length != count:
+            raise ViewpointError(f"{name} has {length} entries, expected {count}, the sampling's count")
+    if not 0.0 <= views.lowest <= 90.0:
+        raise ViewpointError(f"lowest is {views.lowest}, expected an elevation from 0 to 90 degrees")
+    off = np.abs(np.linalg.norm(views.points, axis=-1) - radius) > OFF_SPHERE
+    wrong = np.flatnonzero(~np.isfinite(views.points).all(axis=-1) | off | (views.points[:, 2] < 0.0))
+    if wrong.size:
+        raise ViewpointError(
+            f"points[{wrong[0]}] is {views.points[wrong[0]].tolist()}, expected a point of the upper "
+            f"half-sphere of radius {radius} m; sample it anew"
+        )
+
+
+def _check_edges(views: ViewpointMap) -> None:
+    count = len(views.points)
+    for i, j in views.edges.tolist():
+        if not (0 <= i < j < count and views.reachable[i] and views.reachable[j]):
+            raise ViewpointError(
+                f"edges has the pair ({i}, {j}), expected two reachable points below {count}, the smaller "
+                "index first; sample the graph anew"
+            )
+
+
+def _check_chosen(views: ViewpointMap) -> None:
+    _check_names(views.names, len(views.chosen))
+    if len(set(views.chosen)) < len(views.chosen):
+        raise ViewpointError(f"the chosen points are {list(views.chosen)}, expected none twice")
+    for index in views.chosen:
+        if not 0 <= index < len(views.points) or not views.reachable[index]:
+            raise ViewpointError(
+                f"point {index} is chosen, expected a reachable one: choose from "
+                f"{_listed(np.flatnonzero(views.reachable).tolist())}"
+            )
+
+
+def _check_names(names: Sequence[str], count: int) -> None:
+    if len(names) != count or count == 0 or len(set(names)) < count or not all(names):
+        raise ViewpointError(
+            f"names are {list(names)} for {count} chosen points, expected at least one point and a name for "
+            "each, none empty, none twice"
+        )
+
+
+def _check_connected(views: ViewpointMap) -> None:
+    nodes = np.flatnonzero(views.reachable).tolist()
+    parts = components(nodes, views.edges, len(views.points))
+    if len(parts) > 1:
+        names = _listed((f"{len(part)} points: {_listed(part)}" for part in parts), "; ")
+        raise ViewpointError(
+            f"the neighbour graph falls into {len(parts)} parts ({names}), expected one; sample more points "
+            "or move the arm's base, so that the gap closes"
+        )
+
+
+def _check_travel(views: ViewpointMap) -> None:
+    """Refuse viewpoints that are never reached by moves between neighbours."""
+    edges = np.argwhere(np.triu(views.steps() <= 1.0, 1))
+    groups = components(range(len(views.chosen)), edges, len(views.chosen))
+    if len(groups) > 1:
+        names = _listed((_listed(views.names[k] for k in group) for group in groups), "; ")
+        raise ViewpointError(
+            f"with neighbours_only no move leads from one of these groups of viewpoints to another: {names}; "
+            "choose more of the points, sample fewer, or allow all moves"
+        )

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cellfile.composed import compose
-from beltsort.cellfile.consistency import contradictions
-from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.description import CellDescription, contradictions
 from beltsort.cellfile.validation import validated
 from beltsort.errors import CellError
 from tests.cellfile.cell_files import EXAMPLE

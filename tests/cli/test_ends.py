@@ -17,12 +17,12 @@ from beltsort.cell import Outcome
 from beltsort.cli import code_of, exit_codes, main
 from beltsort.cli.run import Settling
 from beltsort.drivers.fieldbus import FieldbusDevice
-from beltsort.errors import JournalNotWrittenError
+from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.models import paper
 from beltsort.sorting.command import Command
 from beltsort.sorting.holds import Answer, HeldError, Hold, Way
 from beltsort.sorting.journal import read_journal
-from beltsort.sorting.locks import InUseError, devices_locked, locked
+from beltsort.sorting.locks import devices_locked, locked
 from beltsort.sorting.progress import Progress
 from tests.cli.cells import cell_file
 from tests.contract.peers import ModbusPeer

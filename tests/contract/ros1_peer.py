@@ -6,9 +6,9 @@ from typing import Any
 
 from beltsort.cell import CommandError
 from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
+from tests.contract.peer import ProcessPeer, SeeingPeer
 from tests.drivers.ros1 import scene
 from tests.drivers.ros1.rig import Rig, require_ros
-from tests.contract.peer import ProcessPeer, SeeingPeer
 from tests.waiting import wait_until
 
 SLOW = {"arm": {"speed": 0.15}, "belt": {"travel": 4.0}, "sorter": {"sort": 4.0}}

@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+from tests.cli.running import PAPER
+
 pytestmark = pytest.mark.process
 
 SCRIPT = """
@@ -18,3 +20,18 @@ print(*sorted(heavy & set(sys.modules)))
 def test_import() -> None:
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""
+
+
+PLANS_WITHOUT = f"""
+import sys
+for module in ("open3d", "matplotlib", "rich", "scipy", "pydantic", "filelock", "platformdirs", "PIL"):
+    sys.modules[module] = None
+from beltsort.cli import main
+sys.exit(main(["plan", {PAPER!r}, "--trials", "10"]))
+"""
+
+
+def test_planning_from_the_command_line_needs_numpy_alone() -> None:
+    done = subprocess.run([sys.executable, "-c", PLANS_WITHOUT], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "move to" in done.stdout
