@@ -22,9 +22,16 @@ LONGEST = (
 """Files that take minutes, each in one process: begun first, so that nobody waits for them in the end."""
 
 
+HOURS = 4 * 3600
+"""Seconds after which a test of `make soak` is taken to hang."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the longest files first."""
+    """Put the longest files first; give those that take long on purpose their time."""
     items.sort(key=lambda item: not item.nodeid.startswith(LONGEST))
+    for item in items:
+        if item.get_closest_marker("soak"):
+            item.add_marker(pytest.mark.timeout(HOURS))
 
 
 @pytest.fixture

@@ -49,8 +49,13 @@ def ran(make: Callable[[Path, int], Sequence], folder: Path, seeds: range) -> Ac
 
     whole = Account()
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        for account in pool.map(one, seeds):
-            whole.add(account)
+        try:
+            for account in pool.map(one, seeds):
+                whole.add(account)
+                if whole.sequences % 100 == 0:
+                    print(f"{whole.sequences} of {len(seeds)} sequences", flush=True)
+        finally:
+            pool.shutdown(cancel_futures=True)
     return whole
 
 
