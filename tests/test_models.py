@@ -1,7 +1,5 @@
 """The models that come with the package."""
 
-import doctest
-
 from beltsort import SortingModel, models
 
 from .core.models import PAPER
@@ -9,7 +7,3 @@ from .core.models import PAPER
 
 def test_the_papers_instance() -> None:
     assert models.paper() == SortingModel.load(PAPER)
-
-
-def test_examples() -> None:
-    assert doctest.testmod(models).failed == 0

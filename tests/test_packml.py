@@ -1,11 +1,8 @@
 """The states of a machine, against ISA-TR88.00.02."""
 
-import doctest
-
 import pytest
 
 from beltsort.errors import CellError
-from beltsort.sorting import packml
 from beltsort.sorting.packml import TRANSITIONS, Command, State, after
 
 ACTING = {state for state in State if state.endswith("ing")} | {State.EXECUTE}
@@ -52,7 +49,3 @@ def test_an_abort_must_be_cleared_before_anything_starts() -> None:
     with pytest.raises(CellError, match=r"\bStart\b.*\bAborted\b.*\bClear\b"):
         follow(State.EXECUTE, Command.ABORT, done, Command.START)
     assert follow(State.ABORTED, Command.CLEAR, done) is State.STOPPED
-
-
-def test_examples() -> None:
-    assert doctest.testmod(packml).failed == 0

@@ -1,13 +1,10 @@
-import doctest
 import os
-import pkgutil
 import re
 import signal
 import subprocess
 import sys
 import time
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from threading import Event
 
@@ -251,11 +248,3 @@ def test_collected_counts_are_complete_and_do_not_depend_on_processes(small: Cel
         np.testing.assert_array_equal(getattr(alone, field), getattr(together, field))
     np.testing.assert_array_equal(alone.counts.sum(axis=-1) + alone.missed, 2)
     assert alone.accuracy().mean() > 0.25
-
-
-MODULES = [module.name for module in pkgutil.walk_packages(beltsort.tables.__path__, "beltsort.tables.")]
-
-
-@pytest.mark.parametrize("name", MODULES)
-def test_examples(name: str) -> None:
-    assert doctest.testmod(import_module(name)).failed == 0

@@ -115,7 +115,7 @@ def test_the_simulated_cell_trains_its_own_classifier_once(
         trained.append(1)
         return NearestNeighbour.load(classifier)
 
-    monkeypatch.setattr("beltsort.tables.collect_training", train)
+    monkeypatch.setattr("beltsort.sim.collect.collect_training", train)
     given = ["estimate", "simulated", "--objects", "1", "-o", str(tmp_path / "m.json"), "--workers", "1"]
     assert main([*given, "--record", str(tmp_path / "recorded")]) == 0
     assert main([*given, "--record", str(tmp_path / "recorded")]) == 0

@@ -1,6 +1,5 @@
 """`beltsort plan --explain`: the searched tree in words and as data."""
 
-import doctest
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +8,6 @@ from typing import Any
 import pytest
 
 import beltsort
-from beltsort.planning import explanation
 from beltsort.planning.explanation import explain
 
 from .running import PAPER, command, json_of, output
@@ -28,10 +26,6 @@ def planned(model: beltsort.SortingModel, **settings: Any) -> beltsort.Plan:
 @pytest.fixture(scope="module")
 def paper() -> beltsort.SortingModel:
     return beltsort.SortingModel.load(PAPER)
-
-
-def test_examples() -> None:
-    assert doctest.testmod(explanation).failed == 0
 
 
 def test_in_words(paper: beltsort.SortingModel) -> None:
