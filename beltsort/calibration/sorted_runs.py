@@ -18,6 +18,7 @@ from beltsort import ArgumentError, Despot, SortingModel
 from beltsort.calibration.reliability import Pairs
 from beltsort.perception import NearestNeighbour, Perception
 from beltsort.sim import CellConfig
+from beltsort.sorting.entries import Decided, Scanned
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.progress import Progress
@@ -48,7 +49,7 @@ class SortedRun:
 
     true: tuple[int, ...]
     steps: int
-    decisions: tuple[tuple[int, int, float], ...]
+    decisions: tuple[tuple[int, int | None, float], ...]
     beliefs: tuple[tuple[int, tuple[float, ...]], ...]
 
     @property
@@ -70,11 +71,12 @@ def run_in(entries: Sequence[Entry], true: Sequence[int]) -> SortedRun:
     beliefs, decisions = [], []
     for entry in entries:
         first = entry.object or 0
-        if entry.kind == "scan":
-            rows = enumerate(entry.data["belief"], start=first)
-            beliefs += [(number, tuple(row)) for number, row in rows if number < len(true)]
-        elif entry.kind == "decision":
-            decisions.append((first, entry.data["label"], entry.data["belief"]))
+        match entry.content:
+            case Scanned(belief=belief):
+                rows = enumerate(belief, start=first)
+                beliefs += [(number, tuple(row)) for number, row in rows if number < len(true)]
+            case Decided(label, belief=probability):
+                decisions.append((first, label, probability))
     return SortedRun(tuple(true), Progress.after(entries).steps, tuple(decisions), tuple(beliefs))
 
 

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from beltsort.cli.narrate import Narrator
+from beltsort.sorting.entries import Chosen, Decided, Planned, Skipped, Started
 from beltsort.sorting.journal import Entry
 
 BAR = 20  # characters of a certain belief
@@ -41,14 +42,15 @@ class LiveView:
     def __call__(self, entry: Entry) -> None:
         """Show one more entry."""
         line = self._narrator.line(entry)
-        if entry.kind == "start":
-            self._objects = entry.data["objects"]
-        if entry.kind == "plan":
-            action = self._narrator.name(entry.data["action"])
-            self._why = f"{action}: {self._narrator.why(entry.data)}"
-        if entry.kind in ("decision", "skip"):
-            label = entry.data.get("label")
-            self._sorted.append("-" if label is None else self._narrator.classes[label])
+        match entry.content:
+            case Started(objects=objects):
+                self._objects = objects
+            case Planned() | Chosen() as choice:
+                self._why = f"{self._narrator.name(choice.action)}: {self._narrator.why(choice)}"
+            case Decided(label) if label is not None:
+                self._sorted.append(self._narrator.classes[label])
+            case Decided() | Skipped():
+                self._sorted.append("-")
         if line:
             self._recent = [*self._recent, line][-RECENT:]
         self._live.update(self._render())

@@ -4,6 +4,21 @@ from typing import Any
 
 from beltsort import SortingModel
 from beltsort.perception import Finding
+from beltsort.sorting.entries import (
+    Chosen,
+    CommandFailed,
+    Decided,
+    Drifted,
+    Planned,
+    Resumed,
+    ScanElsewhere,
+    Scanned,
+    ScanUnusable,
+    Skipped,
+    Snapshot,
+    Started,
+    StateChanged,
+)
 from beltsort.sorting.journal import Entry
 
 
@@ -26,36 +41,36 @@ class Narrator:
 
     def line(self, entry: Entry) -> str | None:
         """Return what `entry` tells."""
-        match entry.kind:
-            case "start" | "snapshot" | "resume" if not self.classes:
-                text = self._start(entry.data)
-            case "state" if entry.data["state"] in ("Held", "Aborted"):
-                text = f"{entry.data['state'].lower()}: {entry.data['reason']}"
-            case "resume":
+        match entry.content:
+            case Started() | Snapshot() | Resumed() as first if not self.classes:
+                text = self._start(first)
+            case StateChanged(state, reason) if state in ("Held", "Aborted"):
+                text = f"{state.lower()}: {reason}"
+            case Resumed():
                 text = "resumed"
-            case "outcome" if "error" in entry.data:
-                text = f"{entry.data['command_id']} {entry.data['outcome']}: {entry.data['error']}"
-            case "scan":
-                text = self._scan(entry.data)
-            case "drift":
-                text = self._drift(entry.data)
-            case "bad_scan":
-                text = f"unusable scan: {entry.data['error']}"
-            case "wrong_viewpoint":
-                text = self._wrong_viewpoint(entry.data)
-            case "decision":
-                text = self._decision(entry.data)
-            case "skip":
+            case CommandFailed(command_id, outcome, error):
+                text = f"{command_id} {outcome}: {error}"
+            case Scanned() as scan:
+                text = self._scan(scan)
+            case Drifted() as alarm:
+                text = self._drift(alarm)
+            case ScanUnusable(error):
+                text = f"unusable scan: {error}"
+            case ScanElsewhere() as scan:
+                text = self._wrong_viewpoint(scan)
+            case Decided() as decided:
+                text = self._decision(decided)
+            case Skipped():
                 text = self._skip()
             case _:
                 return None
         return text if entry.object is None else f"object {entry.object:>2}  {text}"
 
-    def why(self, plan: dict[str, Any]) -> str:
+    def why(self, plan: Planned | Chosen) -> str:
         """Return the reason of a plan: the values of its best action and of the next best."""
-        if "values" not in plan:
-            return str(plan.get("why", ""))
-        best, *others = sorted(plan["values"], key=lambda action: -action["value"])
+        if isinstance(plan, Chosen):
+            return plan.why or ""
+        best, *others = sorted(plan.values, key=lambda action: -action["value"])
         if not others:
             return f"{self.name(best)} is the only legal action"
         return " ".join(
@@ -76,41 +91,41 @@ class Narrator:
         best = max(range(len(row)), key=row.__getitem__)
         return f"{self.classes[best]} {row[best]:.2f}"
 
-    def _start(self, data: dict[str, Any]) -> str:
-        model = SortingModel.from_json(data["model"])
+    def _start(self, first: Started | Snapshot | Resumed) -> str:
+        model = SortingModel.from_json(first.model)
         self.classes, self.viewpoints = list(model.classes), list(model.viewpoints)
         self._arrival = model.arrival.tolist()
         self.belief = [self._arrival] * model.positions
-        return f"sorting {data['objects']} objects: {', '.join(self.classes)}"
+        return f"sorting {first.objects} objects: {', '.join(self.classes)}"
 
-    def _scan(self, data: dict[str, Any]) -> str:
+    def _scan(self, scan: Scanned) -> str:
         seen = [
             finding if finding != Finding.OBJECT else "?" if label is None else self.classes[label]
-            for label, finding in zip(data["labels"], data["findings"], strict=True)
+            for label, finding in zip(scan.labels, scan.findings, strict=True)
         ]
-        self.belief = data["belief"]
+        self.belief = scan.belief
         beliefs = " | ".join(self.likely(row) for row in self.belief)
-        return f"look from {self.viewpoints[data['viewpoint']]}: {' | '.join(seen)}  ->  {beliefs}"
+        return f"look from {self.viewpoints[scan.viewpoint]}: {' | '.join(seen)}  ->  {beliefs}"
 
-    def _wrong_viewpoint(self, data: dict[str, Any]) -> str:
-        there = data["stands_at"]
+    def _wrong_viewpoint(self, scan: ScanElsewhere) -> str:
+        there = scan.stands_at
         where = "elsewhere" if there is None else f"at {self.viewpoints[there]}"
         return (
-            f"wrong viewpoint: the camera stands {where}, {data['angle']:.1f} degrees and "
-            f"{data['distance']:.0f} mm from {self.viewpoints[data['viewpoint']]}; the scan is dropped"
+            f"wrong viewpoint: the camera stands {where}, {scan.angle:.1f} degrees and "
+            f"{scan.distance:.0f} mm from {self.viewpoints[scan.viewpoint]}; the scan is dropped"
         )
 
-    def _drift(self, data: dict[str, Any]) -> str:
+    def _drift(self, alarm: Drifted) -> str:
         where = ""
-        if data["viewpoint"] is not None:
-            where = f" at position {data['position'] + 1} from {self.viewpoints[data['viewpoint']]}"
+        if alarm.viewpoint is not None and alarm.position is not None:
+            where = f" at position {alarm.position + 1} from {self.viewpoints[alarm.viewpoint]}"
         return f"warning: labels{where} no longer come as the tables say; estimate them anew"
 
-    def _decision(self, data: dict[str, Any]) -> str:
-        what = "reject" if data["label"] is None else f"decide {self.classes[data['label']]}"
-        forced = f", forced by {data['forced']}" if data["forced"] else ""
+    def _decision(self, decided: Decided) -> str:
+        what = "reject" if decided.label is None else f"decide {self.classes[decided.label]}"
+        forced = f", forced by {decided.forced}" if decided.forced else ""
         self._shift()
-        return f"{what}  (belief {data['belief']:.3f}, {data['looks']} looks{forced})"
+        return f"{what}  (belief {decided.belief:.3f}, {decided.looks} looks{forced})"
 
     def _skip(self) -> str:
         self._shift()

@@ -48,7 +48,7 @@ def run(arguments: Namespace) -> int:
                 "decisions": [asdict(decision) for decision in progress.decisions],
                 "skipped": progress.skipped,
                 "drift": [alarm.to_dict() for alarm in progress.drift.alarms],
-                "entries": [asdict(entry) for entry in entries],
+                "entries": [entry.plain() for entry in entries],
             }
         )
     else:

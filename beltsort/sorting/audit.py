@@ -5,16 +5,25 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel
 from beltsort.errors import JournalError
+from beltsort.sorting.entries import (
+    AnyContent,
+    Chosen,
+    Decided,
+    Drifted,
+    Planned,
+    Resumed,
+    ScanElsewhere,
+    ScanUnusable,
+    Started,
+)
 from beltsort.sorting.journal import Entry, read_journal
 from beltsort.sorting.progress import Progress, model_of
 
 JOURNAL = "journal.sqlite"
-BEFALLS = ("bad_scan", "wrong_viewpoint", "drift")
-"""Entries that tell of what went otherwise than planned."""
 COLUMNS = ("number", "time", "kind", "object", "data")
 
 
@@ -27,7 +36,9 @@ class Step:
     number
         Counts from 1.
     entry
-        The `plan` entry, or the `decision` entry of a decision that a rule forced.
+        Of the plan, or of a decision that a rule forced.
+    choice
+        What that entry tells.
     belief, viewpoint
         What was known then, and where the camera stood.
     planner
@@ -38,6 +49,7 @@ class Step:
 
     number: int
     entry: Entry
+    choice: Planned | Chosen | Decided
     belief: Belief
     viewpoint: int
     planner: dict[str, Any] | None
@@ -51,19 +63,21 @@ class Step:
     @property
     def action(self) -> Move | Decide:
         """What was chosen."""
-        data = self.entry.data
-        if self.entry.kind == "decision":
+        if isinstance(self.choice, Decided):
             return Decide(self.belief.most_likely(0)[0])
-        action = data["action"]
+        action = self.choice.action
         return Move(action["move"]) if "move" in action else Decide(action["decide"])
 
     @property
     def reason(self) -> str | None:
         """Why a rule chose, in words; None if the policy did."""
-        if self.entry.kind == "decision":
-            return f"forced by {self.entry.data['forced']}"
-        why: str | None = self.entry.data.get("why")
-        return why
+        match self.choice:
+            case Decided(forced=forced):
+                return f"forced by {forced}"
+            case Chosen(why=why):
+                return why
+            case Planned():
+                return None
 
     def plan_again(self) -> Plan | None:
         """Return the plan, made once more; None if no planner made it.
@@ -71,9 +85,9 @@ class Step:
         The same plan if the budget was one of trials. With a budget of time the trials that it had are done
         again, in which the search may have taken another path.
         """
-        if self.reason is not None or self.planner is None:
+        if not isinstance(self.choice, Planned) or self.planner is None:
             return None
-        trials = max(1, self.entry.data["trials"])  # none where the root alone settled it
+        trials = max(1, self.choice.trials)  # none where the root alone settled it
         settings = {**self.planner, "seconds": None, "trials": trials}
         return Despot(self.model, **settings).plan(self.belief, self.viewpoint)
 
@@ -105,13 +119,18 @@ def steps_of(entries: Sequence[Entry]) -> Iterator[Step]:
     progress = Progress.at_start(model_of(entries))
     planner: dict[str, Any] | None = None
     for entry in entries:
-        if entry.kind in ("start", "resume", "snapshot"):
-            planner = entry.data.get("planner", planner)
-        forced = entry.kind == "decision" and entry.data["forced"] is not None
-        if entry.kind == "plan" or forced:
+        choice = entry.content
+        if isinstance(choice, Started | Resumed):
+            planner = choice.planner
+        if isinstance(choice, Planned | Chosen) or by_rule(choice):
             known = progress.belief.copy(), progress.viewpoint
-            yield Step(progress.steps + 1, entry, *known, planner, len(progress.drift.alarms))
+            yield Step(progress.steps + 1, entry, choice, *known, planner, len(progress.drift.alarms))
         progress.apply(entry)
+
+
+def by_rule(choice: AnyContent) -> TypeGuard[Decided]:
+    """Tell whether an entry is a decision that a rule forced."""
+    return isinstance(choice, Decided) and choice.forced is not None
 
 
 def step_of(entries: Sequence[Entry], number: int) -> Step:
@@ -137,9 +156,9 @@ def befell(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:
     """Yield what went otherwise than planned while a step was carried out."""
     for entry in entries:
         if entry.number > step.entry.number:
-            if entry.kind == "plan":
+            if isinstance(entry.content, Planned | Chosen):
                 return
-            if entry.kind in BEFALLS:
+            if isinstance(entry.content, ScanUnusable | ScanElsewhere | Drifted):
                 yield entry
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from beltsort import Belief, SortingModel
 from beltsort.errors import JournalError
+from beltsort.sorting.entries import Decided, Scanned, Skipped, Started
 from beltsort.sorting.journal import Entry
 from beltsort.util.colours import COLOURS, MARKERS
 
@@ -30,21 +31,23 @@ def belief_over_time(
     JournalError
         If the journal has no start entry.
     """
-    if not entries or entries[0].kind != "start":
+    first = entries[0].content if entries else None
+    if not isinstance(first, Started):
         raise JournalError("the journal has no start entry; was the run killed before it began?")
-    model = SortingModel.from_json(entries[0].data["model"])
+    model = SortingModel.from_json(first.model)
     belief = Belief(model).probabilities
     beliefs, decisions = [belief], []
     for entry in entries:
-        if entry.kind == "scan":
-            belief = np.asarray(entry.data["belief"])
-            beliefs.append(belief)
-        elif entry.kind in ("decision", "skip"):
-            if entry.kind == "decision":
+        match entry.content:
+            case Scanned(belief=rows):
+                belief = np.asarray(rows)
                 beliefs.append(belief)
-                label = entry.data["label"]
+            case Decided(label):
+                beliefs.append(belief)
                 decisions.append((len(beliefs) - 1, "reject" if label is None else model.classes[label]))
-            belief = np.vstack([belief[1:], model.arrival])
+                belief = np.vstack([belief[1:], model.arrival])
+            case Skipped():
+                belief = np.vstack([belief[1:], model.arrival])
     return np.stack(beliefs), decisions, model
 
 

@@ -1,11 +1,10 @@
 """Choosing: what a rule says, or else the policy, and writing down why."""
 
-from typing import Any
-
 from beltsort._core import Decide, Despot, Move, PolicyError
 from beltsort.cell import Cell
 from beltsort.planning.policy import Policy
 from beltsort.sorting.commander import Commander
+from beltsort.sorting.entries import Chosen, Decided, Planned, Skipped, plain_action
 from beltsort.sorting.record import Record
 from beltsort.sorting.rules import Rules
 
@@ -78,7 +77,7 @@ class Chooser:
         if self._model.empty is not None or not tried or not legal:
             return None
         move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
-        self._record("plan", action=_plain(move), why="the belt end was seen empty: look again")
+        self._record(Chosen(plain_action(move), why="the belt end was seen empty: look again"))
         return move
 
     def _plan(self) -> Move | Decide:
@@ -87,18 +86,19 @@ class Chooser:
         if not isinstance(self._policy, Despot):
             action = self._policy.act(belief.copy(), viewpoint)
             self._check_legal(action)
-            self._record("plan", action=_plain(action))
+            self._record(Chosen(plain_action(action)))
             return action
         plan = self._policy.plan(belief, viewpoint)
         self._record(
-            "plan",
-            action=_plain(plan.action),
-            values=[{**_plain(action), "value": value} for action, value in plan.values.items()],
-            lower=plan.lower,
-            upper=plan.upper,
-            trials=plan.trials,
-            seconds=plan.seconds,
-            late=plan.seconds > LATE * (self._policy.settings["seconds"] or float("inf")),
+            Planned(
+                plain_action(plan.action),
+                values=[{**plain_action(action), "value": value} for action, value in plan.values.items()],
+                lower=plan.lower,
+                upper=plan.upper,
+                trials=plan.trials,
+                seconds=plan.seconds,
+                late=plan.seconds > LATE * (self._policy.settings["seconds"] or float("inf")),
+            )
         )
         return plan.action
 
@@ -118,23 +118,15 @@ class Chooser:
             self._skip(decided=True)
             return
         self._record(
-            "decision",
-            label=label if rejected is None else None,
-            bin=label if rejected is None else rejected,
-            belief=float(self._progress.belief.probabilities[0, label]),
-            looks=self._progress.visible[0].looks,
-            forced=forced,
+            Decided(
+                label=label if rejected is None else None,
+                bin=label if rejected is None else rejected,
+                belief=float(self._progress.belief.probabilities[0, label]),
+                looks=self._progress.visible[0].looks,
+                forced=forced,
+            )
         )
 
     def _skip(self, *, decided: bool) -> None:
         """Pass over an empty place: nothing to sort."""
-        self._record("skip", viewpoints=self._progress.visible[0].empty, decided=decided)
-
-
-def _plain(action: Move | Decide) -> dict[str, Any]:
-    """Return an action as the journal keeps it."""
-    match action:
-        case Move(viewpoint):
-            return {"move": viewpoint}
-        case Decide(label):
-            return {"decide": label}
+        self._record(Skipped(self._progress.visible[0].empty, decided))

@@ -8,13 +8,21 @@ not belong. docs/recovery.md shows the same as tables.
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from enum import Enum
 from typing import NamedTuple, TypeVar
 
 from beltsort.cell import Actuator, Cell, CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import NOWHERE, TellsPosition
 from beltsort.sorting.command import Command
+from beltsort.sorting.entries import (
+    Answered,
+    CommandDone,
+    CommandFailed,
+    Intended,
+    ObjectsPassed,
+    StateChanged,
+)
 from beltsort.sorting.holds import FURTHER, Answer, HeldError, Hold, Operator, astray, at_the_end, in_doubt
 from beltsort.sorting.packml import State
 from beltsort.sorting.progress import Progress
@@ -58,10 +66,15 @@ there already answers at once, and says since when. A sort may not.
 
 
 class Failure(NamedTuple):
-    """What became of a command that failed (None: the device cannot be asked), and why."""
+    """Why a command failed, what became of it (None: the device cannot be asked), and then why not."""
 
     outcome: Outcome | None
     why: str
+    unasked: str = ""
+
+    def __str__(self) -> str:
+        """Return the reasons."""
+        return f"{self.why}; then: {self.unasked}" if self.unasked else self.why
 
 
 class Commander:
@@ -109,7 +122,7 @@ class Commander:
             return
         identity = f"{self._progress.run}-{name}-{self._progress.commands + 1}"
         command = Command(identity, name, target, boot_id, arriving)
-        self._record("intent", command=asdict(command))
+        self._record(Intended(command))
         self._finish(command, self._send(command))
 
     def settle(self, command: Command) -> None:
@@ -130,7 +143,7 @@ class Commander:
             step = None if failure.outcome is None else STEPS[command.name, failure.outcome]
             match step:
                 case Step.RECORD:
-                    self._record("outcome", command_id=command.id, outcome="done", stopped=None)
+                    self._record(CommandDone(command.id))
                     return
                 case Step.ASK:
                     failure = self._told(command, failure)
@@ -154,7 +167,7 @@ class Commander:
             time.sleep(delay)
             return delays
         attempts = len(self._rules.retry_delays) + 1
-        self._hold(Hold(command, f"it failed {attempts} times, most recently: {failure.why}"))
+        self._hold(Hold(command, f"it failed {attempts} times, most recently: {failure}"))
         return iter(self._rules.retry_delays)
 
     def _again(self, command: Command) -> Command | None:
@@ -168,7 +181,7 @@ class Commander:
         if not self._belt_stands(self._places(command), command):
             return None
         following = command.again(boot_id)
-        self._record("intent", command=asdict(following))
+        self._record(Intended(following))
         return following
 
     def _send(self, command: Command, before: Failure | None = None) -> Failure | None:
@@ -193,15 +206,13 @@ class Commander:
             range(command.target, command.target + 1), command
         ):
             return None  # it has passed the target, and a person said to go on
-        self._record("outcome", command_id=command.id, outcome="done", stopped=stopped)
+        self._record(CommandDone(command.id, stopped=stopped))
         return None
 
     def _failed(self, command: Command, failure: BaseException, *, final: bool) -> None:
         """Write down how an attempt failed, and whether it is certain that it never acts."""
         outcome = failure.outcome if isinstance(failure, CommandError) else Outcome.UNKNOWN
-        self._record(
-            "outcome", command_id=command.id, outcome=outcome.value, error=repr(failure), final=final
-        )
+        self._record(CommandFailed(command.id, outcome.value, repr(failure), final))
 
     def _act(self, command: Command) -> float | None:
         cell, target, identity = self._cell, command.target, command.id
@@ -221,7 +232,7 @@ class Commander:
             outcome = device.outcome_of(command.id, command.boot_id)
             restarted = device.health().boot_id != command.boot_id
         except CommandError as reason:
-            return Failure(None, f"{why}; then: {reason}")
+            return Failure(None, why, unasked=str(reason))
         # What a restarted device does not know of may have been done before the restart.
         unsure = restarted and outcome is Outcome.NOT_DONE
         return Failure(Outcome.UNKNOWN if unsure else outcome, why)
@@ -233,7 +244,7 @@ class Commander:
         if answer not in hold.answers:
             raise HeldError(hold)
         outcome = Outcome.DONE if answer is Answer.DONE else Outcome.NOT_DONE
-        self._record("told", command_id=command.id, outcome=outcome.value)
+        self._record(Answered(command.id, outcome.value))
         return Failure(outcome, failure.why)
 
     def _places(self, command: Command) -> range:
@@ -256,17 +267,17 @@ class Commander:
             needs_home = self._asked(belt.health, command).needs_home
             answer = self._hold(astray(position, expected, command, needs_home))
             if answer is Answer.PASSED:
-                self._record("passed", index=position)
+                self._record(ObjectsPassed(position))
                 return False
         return True
 
     def _hold(self, hold: Hold) -> Answer | None:
         """Ask a person, and write down that it was asked."""
         command_id = None if hold.command is None else hold.command.id
-        self._record("state", state=State.HELD, reason=hold.reason, command_id=command_id)
+        self._record(StateChanged(State.HELD, hold.reason, command_id))
         answer = self._operator(replace(hold, object=self._progress.index))
         said = "mended" if answer is None else answer.value
-        self._record("state", state=State.EXECUTE, reason=f"a person said: {said}")
+        self._record(StateChanged(State.EXECUTE, f"a person said: {said}"))
         return answer
 
     def _asked(self, ask: Callable[[], Result], command: Command | None) -> Result:

@@ -18,7 +18,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from beltsort._core import __version__
 from beltsort.errors import JournalError, JournalNotWrittenError
+from beltsort.sorting.entries import AnyContent, Snapshot, Unheard, content_of, plain
 
 VERSION = 2
 SCHEMA = """
@@ -42,20 +44,30 @@ class Entry:
         Counts from 1.
     time
         UTC, ISO 8601.
-    kind
-        `start`, `state`, `plan`, `intent`, `outcome`, `told`, `passed`, `scan`, `bad_scan`,
-        `wrong_viewpoint`, `drift`, `decision`, `skip`, `resume`, `unheard`, `snapshot` or `end`.
     object
         Number of the object at the belt end; None before the first.
-    data
-        What the kind tells, as plain JSON.
+    content
+        What it tells.
     """
 
     number: int
     time: str
-    kind: str
     object: int | None
-    data: dict[str, Any]
+    content: AnyContent
+
+    @property
+    def kind(self) -> str:
+        """The name of what it tells."""
+        return self.content.kind
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What it tells, as the file keeps it: plain data, fit for JSON."""
+        return plain(self.content)
+
+    def plain(self) -> dict[str, Any]:
+        """Return all of it as plain data."""
+        return {name: getattr(self, name) for name in ("number", "time", "kind", "object", "data")}
 
 
 Listener = Callable[[Entry], None]
@@ -102,16 +114,16 @@ class Journal:
         self._before = 0 if last is None else last.number  # number of the last entry of the full files
         self._database = self._opened()
 
-    def append(self, kind: str, **data: Any) -> Entry:
+    def append(self, content: AnyContent) -> Entry:
         """Write one entry; it is on the disk when this returns."""
         time = datetime.now(UTC).isoformat()
         with self._failing_as("written"):
             # SQLite numbers the entries: an interrupt cannot part its count from what is written.
             cursor = self._database.execute(
                 "INSERT INTO entries SELECT coalesce(max(number), ?) + 1, ?, ?, ?, ? FROM entries",
-                (self._before, time, kind, self.object, json.dumps(data)),
+                (self._before, time, content.kind, self.object, json.dumps(plain(content))),
             )
-        entry = Entry(int(cursor.lastrowid or 0), time, kind, self.object, data)
+        entry = Entry(int(cursor.lastrowid or 0), time, self.object, content)
         if self._listener:
             self._tell(self._listener, entry)
         return entry
@@ -122,7 +134,7 @@ class Journal:
             listener(entry)
         except Exception as failure:  # whatever it is, the run goes on
             self._listener = None
-            self.append("unheard", error=repr(failure))
+            self.append(Unheard(repr(failure)))
 
     @property
     def full(self) -> bool:
@@ -132,12 +144,12 @@ class Journal:
         )
         return int(pages) * int(bytes_per_page) > self._largest
 
-    def rotate(self, **snapshot: Any) -> None:
+    def rotate(self, snapshot: Snapshot) -> None:
         """Begin a new file, and drop the oldest.
 
         Parameters
         ----------
-        **snapshot
+        snapshot
             What the new file begins with: all that is needed to go on without the old ones.
         """
         (number,) = self._database.execute("SELECT max(number) FROM entries").fetchone()
@@ -149,7 +161,7 @@ class Journal:
             self.path.rename(_full_file(self.path, latest + 1))
             self._before = int(number)
             self._database = self._opened()
-            self.append("snapshot", **snapshot)
+            self.append(snapshot)
             for old in full[: max(0, len(full) + 1 - self._keep)]:
                 old.unlink()
 
@@ -222,9 +234,19 @@ def _read_file(file: Path) -> list[Entry]:
             if version != VERSION:
                 raise JournalError(f"{file} is no journal of version {VERSION} (found {version})")
             rows = database.execute("SELECT * FROM entries ORDER BY number").fetchall()
-        return [Entry(number, time, kind, obj, json.loads(data)) for number, time, kind, obj, data in rows]
     except (sqlite3.Error, ValueError) as reason:
         raise JournalError(f"{file} cannot be read as a journal: {reason}") from reason
+    return [_entry(file, *row) for row in rows]
+
+
+def _entry(file: Path, number: int, time: str, kind: str, index: int | None, data: str) -> Entry:
+    try:
+        return Entry(number, time, index, content_of(kind, json.loads(data)))
+    except ValueError as reason:
+        raise JournalError(
+            f"{file}: entry {number} ({kind}) is none that beltsort {__version__} knows: {reason}; read it "
+            "with the version that wrote it, which its first entry tells, or it is damaged"
+        ) from reason
 
 
 def _full_files(path: Path) -> list[Path]:

@@ -13,6 +13,7 @@ from beltsort.errors import CellError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.choosing import Chooser
 from beltsort.sorting.commander import Commander
+from beltsort.sorting.entries import Drifted, Ended, Resumed, Started, StateChanged
 from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.observing import Observer, Perceive, PerceivedPosition
@@ -21,6 +22,7 @@ from beltsort.sorting.progress import Owed, Progress
 from beltsort.sorting.record import Record, progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.rules import Drift, Rules
+from beltsort.util.text import number_or_none
 
 Check = Callable[[], None]
 
@@ -95,14 +97,16 @@ def sort_objects(
     record = Record(journal, Progress.at_start(model))
     loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, check)
     return loop.run(
-        "start",
-        run=uuid4().hex[:8],
-        first=first,
-        objects=objects,
-        belt_ends=belt_ends,
-        model=model.to_json(),
-        planner=_settings(policy),
-        beltsort=beltsort.__version__,
+        Started(
+            run=uuid4().hex[:8],
+            first=first,
+            objects=objects,
+            belt_ends=belt_ends,
+            model=model.to_json(),
+            planner=_settings(policy),
+            beltsort=beltsort.__version__,
+            drift=None if drift is None else asdict(drift),
+        )
     )
 
 
@@ -145,11 +149,13 @@ def resume_sorting(
     record = Record(journal, progress_in(journal.path))
     loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, check)
     return loop.run(
-        "resume",
-        objects=record.progress.objects,
-        model=record.progress.model.to_json(),
-        planner=_settings(policy),
-        beltsort=beltsort.__version__,
+        Resumed(
+            objects=record.progress.objects,
+            model=record.progress.model.to_json(),
+            planner=_settings(policy),
+            beltsort=beltsort.__version__,
+            drift=None if drift is None else asdict(drift),
+        )
     )
 
 
@@ -172,24 +178,24 @@ class _Loop:
         self.observer = Observer(cell, perceive, self.progress, record, rules)
         self.chooser = Chooser(cell, policy, record, rules, self.commander)
 
-    def run(self, kind: str, **data: Any) -> SortingReport:
+    def run(self, first: Started | Resumed) -> SortingReport:
         """Work until nothing is left, from a first entry on; write down how it ends.
 
         What ends it early stops every device.
         """
         try:
             with stopping(self.cell):
-                self.record(kind, **data, drift=None if self.drift is None else asdict(self.drift))
-                self.record("state", state=State.EXECUTE, reason=kind)
+                self.record(first)
+                self.record(StateChanged(State.EXECUTE, first.kind))
                 while not self.progress.done:
                     self.check()
                     self.step()
         except BaseException as failure:
-            self.record("state", state=_state_after(failure), reason=repr(failure))
-            self.record("end", reason=repr(failure))
+            self.record(StateChanged(_state_after(failure), repr(failure)))
+            self.record(Ended(repr(failure)))
             raise
-        self.record("state", state=State.COMPLETE, reason="all objects have left the belt")
-        self.record("end", reason="done")
+        self.record(StateChanged(State.COMPLETE, "all objects have left the belt"))
+        self.record(Ended("done"))
         progress = self.progress
         return SortingReport(
             progress.steps,
@@ -220,7 +226,8 @@ class _Loop:
     def tell_drift(self) -> None:
         """Write down the alarms of the watch over the tables, and hold the run if it is to be held."""
         for alarm in self.progress.drift.untold:
-            self.record("drift", **alarm.to_dict())
+            evidence = number_or_none(alarm.evidence)
+            self.record(Drifted(alarm.position, alarm.viewpoint, alarm.looks, evidence))
         if self.drift is not None and self.drift.hold:
             alarms = len(self.progress.drift.alarms)
             reason = (

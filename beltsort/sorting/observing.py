@@ -7,6 +7,7 @@ from beltsort._core import Belief, ImpossibleObservationError
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.arrival import Deviation, deviation_from, viewpoint_poses
 from beltsort.errors import CloudError
+from beltsort.sorting.entries import ScanElsewhere, Scanned, ScanUnusable
 from beltsort.sorting.holds import HeldError, Hold
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
@@ -94,14 +95,15 @@ class Observer:
             if label is not None and not _taken_in(belief, viewpoint, position, label)
         ]
         self._record(
-            "scan",
-            viewpoint=viewpoint,
-            labels=labels,
-            empty=[what.empty for what in perceived],
-            findings=[what.finding for what in perceived],
-            dropped=dropped,
-            belief=belief.probabilities.tolist(),
-            last_labels=belief.last_labels.tolist(),
+            Scanned(
+                viewpoint=viewpoint,
+                labels=labels,
+                empty=[what.empty for what in perceived],
+                findings=[what.finding for what in perceived],
+                dropped=dropped,
+                belief=belief.probabilities.tolist(),
+                last_labels=belief.last_labels.tolist(),
+            )
         )
 
     def _usable(self) -> Sequence[PerceivedPosition] | None:
@@ -113,7 +115,7 @@ class Observer:
             except EmergencyStopError:
                 raise
             except (CloudError, CommandError) as failure:
-                self._record("bad_scan", error=str(failure))
+                self._record(ScanUnusable(str(failure)))
         reason = (
             f"{self._rules.scan_attempts} scans in a row are unusable, expected a point cloud; check the "
             "camera (`beltsort show` tells what each lacked)"
@@ -137,13 +139,7 @@ class Observer:
         if off is None or not self._beyond(off):
             return False
         stands_at = self._viewpoint_of(scan)
-        self._record(
-            "wrong_viewpoint",
-            viewpoint=viewpoint,
-            stands_at=stands_at,
-            angle=off.angle,
-            distance=off.distance,
-        )
+        self._record(ScanElsewhere(viewpoint, stands_at, off.angle, off.distance))
         if self._progress.strays > STRAYS:
             raise HeldError(Hold(None, self._elsewhere(off, stands_at), person=True))
         return True

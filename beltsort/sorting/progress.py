@@ -4,16 +4,37 @@ The loop changes its state in one way only: it writes an entry, then applies it.
 any moment is brought back by applying what it wrote.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Any
+from typing import Any, assert_never
 
 from beltsort._core import Belief, SortingModel
 from beltsort.cell.commands import Outcome
 from beltsort.errors import JournalError
 from beltsort.sorting.command import Command
 from beltsort.sorting.drift_state import DriftState
+from beltsort.sorting.entries import (
+    Answered,
+    Chosen,
+    CommandDone,
+    CommandFailed,
+    Decided,
+    Drifted,
+    Ended,
+    Intended,
+    ObjectsPassed,
+    Planned,
+    Resumed,
+    ScanElsewhere,
+    Scanned,
+    ScanUnusable,
+    Skipped,
+    Snapshot,
+    Started,
+    StateChanged,
+    Unheard,
+)
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.report import Decision
 from beltsort.sorting.rules import Seen
@@ -39,11 +60,11 @@ def model_of(entries: Sequence[Entry]) -> SortingModel:
         If they begin with neither a start nor a snapshot.
     """
     first = entries[0]
-    if first.kind not in ("start", "snapshot"):
+    if not isinstance(first.content, Started | Snapshot):
         raise JournalError(
             f"the journal begins with {first.kind!r}, expected 'start' or 'snapshot': it is damaged"
         )
-    return SortingModel.from_json(first.data["model"])
+    return SortingModel.from_json(first.content.model)
 
 
 @dataclass
@@ -168,71 +189,91 @@ class Progress:
         JournalError
             If it cannot follow the ones before.
         """
-        effect = _EFFECTS.get(entry.kind)
-        if effect is not None:
-            effect(self, entry.data)
+        match entry.content:
+            case Started() as start:
+                self._start(start)
+            case Resumed(drift=drift):
+                self._resume(drift)
+            case Intended(command):
+                self.pending, self.told = command, None
+                self.commands += int(command.attempt == 1)
+            case CommandDone(command_id, stopped=stopped):
+                self._done(self._pending(command_id), stopped)
+            case CommandFailed(command_id, final=final):
+                self._pending(command_id)
+                self.told = Outcome.NOT_DONE if final else self.told
+            case Answered(command_id, outcome):
+                self._pending(command_id)
+                self.told = Outcome(outcome)
+            case ObjectsPassed(index):
+                self._pass(index)
+            case Scanned() as scan:
+                self._scan(scan)
+            case ScanUnusable():
+                self.glances += 1
+            case ScanElsewhere():
+                self.glances += 1
+                self.arrived, self.strays = False, self.strays + 1
+            case Drifted():
+                self.drift.told += 1
+            case Decided() as decided:
+                self._decide(decided)
+            case Skipped(decided=was_planned):
+                self.steps += int(was_planned)
+                self.skipped.append(self.index)
+                self.owed = Owed.ADVANCE
+            case Snapshot() as snapshot:
+                self._restore(snapshot)
+            case StateChanged() | Planned() | Chosen() | Unheard() | Ended():
+                pass  # told for people: they change nothing
+            case content:
+                assert_never(content)
 
-    def _start(self, data: dict[str, Any]) -> None:
-        self.run, self.objects = data["run"], data["objects"]
-        self.index = self.first = data.get("first", 0)  # older files begin with object 0
-        self.belt_ends = data.get("belt_ends", False)  # and do not tell
+    def _start(self, start: Started) -> None:
+        self.run, self.objects, self.belt_ends = start.run, start.objects, start.belt_ends
+        self.index = self.first = start.first
         self.belief = Belief(self.model, remaining=self.remaining)
-        self.drift.begin(self.model, data.get("drift"))
+        self.drift.begin(self.model, start.drift)
 
-    def _resume(self, data: dict[str, Any]) -> None:
-        self.drift.begin(self.model, data.get("drift"))
+    def _resume(self, drift: dict[str, Any] | None) -> None:
+        self.drift.begin(self.model, drift)
         self.arrived, self.strays = False, 0  # somebody has seen to the arm
         self.stopped = 0.0  # the clock may be another one since; the arm is moved before the next scan
 
-    def _intent(self, data: dict[str, Any]) -> None:
-        self.pending, self.told = Command(**data["command"]), None
-        self.commands += int(self.pending.attempt == 1)
-
-    def _told(self, data: dict[str, Any]) -> None:
-        self._check_pending(data)
-        self.told = Outcome(data["outcome"])
-
-    def _outcome(self, data: dict[str, Any]) -> None:
-        command = self._check_pending(data)
-        if data.get("final"):
-            self.told = Outcome.NOT_DONE
-        if data["outcome"] == "done":
-            self.pending = self.told = None
-            self.stopped = max(self.stopped, data["stopped"] or 0.0)
-            _DONE[command.name](self, command)
-
-    def _check_pending(self, data: dict[str, Any]) -> Command:
+    def _pending(self, command_id: str) -> Command:
         """Return the pending command, which an entry is about."""
-        if self.pending is None or self.pending.id != data["command_id"]:
+        if self.pending is None or self.pending.id != command_id:
             raise JournalError(
-                f"the journal tells the outcome of {data['command_id']}, which was not pending; it is damaged"
+                f"the journal tells the outcome of {command_id}, which was not pending; it is damaged"
             )
         return self.pending
 
-    def _passed(self, data: dict[str, Any]) -> None:
+    def _done(self, command: Command, stopped: float | None) -> None:
+        self.pending = self.told = None
+        self.stopped = max(self.stopped, stopped or 0.0)
+        match command.name:
+            case "move":
+                self.viewpoint, self.arrived = command.target, True
+                if not command.arriving:
+                    self.steps += 1
+                    self.owed = Owed.SCAN
+            case "sort":
+                self.bin = None
+            case "advance":
+                self._shift(command.target)
+                looks = self.model.observe_after_decision and self.index < self.end
+                self.owed = Owed.SCAN if looks else Owed.CHOICE
+
+    def _pass(self, index: int) -> None:
         """Go on where the belt stands: what went past the belt end unsorted is lost to the run."""
         if self.bin is not None:
             self.decisions.pop()  # it never reached its bin
         dealt_with = self.owed is Owed.ADVANCE and self.bin is None  # sorted or skipped
-        self.passed += range(self.index + dealt_with, min(data["index"], self.end))
+        self.passed += range(self.index + dealt_with, min(index, self.end))
         self.pending = self.told = self.bin = None
-        while self.index < min(data["index"], self.end):
+        while self.index < min(index, self.end):
             self._shift(self.index + 1)
         self.owed, self.arrived = Owed.CHOICE, False  # somebody was at the cell
-
-    def _moved(self, command: Command) -> None:
-        self.viewpoint, self.arrived = command.target, True
-        if not command.arriving:
-            self.steps += 1
-            self.owed = Owed.SCAN
-
-    def _sorted(self, _command: Command) -> None:
-        self.bin = None
-
-    def _advanced(self, command: Command) -> None:
-        self._shift(command.target)
-        looks = self.model.observe_after_decision and self.index < self.end
-        self.owed = Owed.SCAN if looks else Owed.CHOICE
 
     def _shift(self, index: int) -> None:
         """Let the belt have moved on by one place."""
@@ -240,92 +281,54 @@ class Progress:
         self.belief.advance()
         self.visible = [*self.visible[1:], Seen()]
 
-    def _scan(self, data: dict[str, Any]) -> None:
+    def _scan(self, scan: Scanned) -> None:
         self.glances, self.strays = self.glances + 1, 0
-        self.drift.see(self.belief, data["viewpoint"], data["labels"])
-        self._believe(data)
-        dropped = {drop["position"] for drop in data["dropped"]}
-        for position, (seen, label) in enumerate(zip(self.visible, data["labels"], strict=True)):
+        self.drift.see(self.belief, scan.viewpoint, scan.labels)
+        self._believe(scan)
+        dropped = {drop["position"] for drop in scan.dropped}
+        for position, (seen, label) in enumerate(zip(self.visible, scan.labels, strict=True)):
             seen.looks += 1
-            seen.empty = [*seen.empty, data["viewpoint"]] if data["empty"][position] else []
+            seen.empty = [*seen.empty, scan.viewpoint] if scan.empty[position] else []
             if label is not None:
                 seen.impossible = seen.impossible + 1 if position in dropped else 0
         self.owed = Owed.CHOICE
 
-    def _believe(self, data: dict[str, Any]) -> None:
-        self.belief = Belief(self.model, data["belief"], data["last_labels"], self.remaining)
+    def _believe(self, told: Scanned | Snapshot) -> None:
+        self.belief = Belief(self.model, told.belief, told.last_labels, self.remaining)
 
-    def _bad_scan(self, _data: dict[str, Any]) -> None:
-        self.glances += 1
-
-    def _wrong_viewpoint(self, _data: dict[str, Any]) -> None:
-        self.glances += 1
-        self.arrived, self.strays = False, self.strays + 1
-
-    def _drift(self, _data: dict[str, Any]) -> None:
-        self.drift.told += 1
-
-    def _decision(self, data: dict[str, Any]) -> None:
+    def _decide(self, decided: Decided) -> None:
         self.steps += 1
         self.decisions.append(
-            Decision(self.index, data["label"], data["belief"], data["looks"], data["forced"])
+            Decision(self.index, decided.label, decided.belief, decided.looks, decided.forced)
         )
-        self.bin, self.owed = data["bin"], Owed.ADVANCE
+        self.bin, self.owed = decided.bin, Owed.ADVANCE
 
-    def _skip(self, data: dict[str, Any]) -> None:
-        self.steps += int(data["decided"])
-        self.skipped.append(self.index)
-        self.owed = Owed.ADVANCE
+    def snapshot(self) -> Snapshot:
+        """Return everything but what has left the belt."""
+        return Snapshot(
+            **{name: getattr(self, name) for name in _KEPT},
+            model=self.model.to_json(),
+            belief=self.belief.probabilities.tolist(),
+            last_labels=self.belief.last_labels.tolist(),
+            owed=self.owed.value,
+            told=None if self.told is None else self.told.value,
+            drift=self.drift.snapshot(),
+        )
 
-    def snapshot(self) -> dict[str, Any]:
-        """Return everything but the model and what has left the belt, as plain data."""
-        return {
-            **{name: getattr(self, name) for name in _PLAIN},
-            "belief": self.belief.probabilities.tolist(),
-            "last_labels": self.belief.last_labels.tolist(),
-            "owed": self.owed.value,
-            "pending": None if self.pending is None else asdict(self.pending),
-            "told": None if self.told is None else self.told.value,
-            "visible": [asdict(seen) for seen in self.visible],
-            "drift": self.drift.snapshot(),
-        }
-
-    def _snapshot(self, data: dict[str, Any]) -> None:
-        for name in _PLAIN:
-            setattr(self, name, data.get(name, getattr(self, name)))  # older files know fewer
-        self._believe(data)
-        self.owed = Owed(data["owed"])
-        self.pending = None if data["pending"] is None else Command(**data["pending"])
-        self.told = Outcome(data["told"]) if data.get("told") else None
-        self.visible = [Seen(**seen) for seen in data["visible"]]
-        if "drift" in data:
-            self.drift = DriftState.of_snapshot(self.model, data["drift"])
+    def _restore(self, snapshot: Snapshot) -> None:
+        for name in _KEPT:
+            setattr(self, name, getattr(snapshot, name))
+        self._believe(snapshot)
+        self.owed = Owed(snapshot.owed)
+        self.told = None if snapshot.told is None else Outcome(snapshot.told)
+        self.visible = [replace(seen) for seen in snapshot.visible]
+        self.passed = list(snapshot.passed)
+        if snapshot.drift is not None:
+            self.drift = DriftState.of_snapshot(self.model, snapshot.drift)
 
 
-_PLAIN = (
-    *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived"),
-    *("steps", "commands", "glances", "strays", "stopped", "bin", "passed"),
+_KEPT = (
+    *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived", "steps", "commands"),
+    *("glances", "strays", "stopped", "bin", "passed", "pending", "visible"),
 )
-
-_EFFECTS: dict[str, Callable[[Progress, dict[str, Any]], None]] = {
-    "start": Progress._start,
-    "resume": Progress._resume,
-    "intent": Progress._intent,
-    "outcome": Progress._outcome,
-    "told": Progress._told,
-    "passed": Progress._passed,
-    "scan": Progress._scan,
-    "bad_scan": Progress._bad_scan,
-    "wrong_viewpoint": Progress._wrong_viewpoint,
-    "drift": Progress._drift,
-    "decision": Progress._decision,
-    "skip": Progress._skip,
-    "snapshot": Progress._snapshot,
-}
-"""Entries of other kinds change nothing."""
-
-_DONE: dict[str, Callable[[Progress, Command], None]] = {
-    "move": Progress._moved,
-    "sort": Progress._sorted,
-    "advance": Progress._advanced,
-}
+"""What a snapshot keeps under its own name."""

@@ -1,8 +1,8 @@
 """Writing down, then taking in: the only way in which a run's state changes."""
 
 from pathlib import Path
-from typing import Any
 
+from beltsort.sorting.entries import AnyContent
 from beltsort.sorting.journal import Journal, read_journal
 from beltsort.sorting.progress import Progress
 
@@ -21,12 +21,12 @@ class Record:
     def __init__(self, journal: Journal, progress: Progress) -> None:
         self.journal, self.progress = journal, progress
 
-    def __call__(self, kind: str, **data: Any) -> None:
+    def __call__(self, content: AnyContent) -> None:
         """Write an entry, then take it in."""
-        self.progress.apply(self.journal.append(kind, **data))
+        self.progress.apply(self.journal.append(content))
         self.journal.object = self.progress.index
         if self.journal.full:
-            self.journal.rotate(model=self.progress.model.to_json(), **self.progress.snapshot())
+            self.journal.rotate(self.progress.snapshot())
 
 
 def progress_in(path: Path) -> Progress:

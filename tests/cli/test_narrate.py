@@ -3,17 +3,18 @@
 from beltsort.cli.narrate import Narrator
 from beltsort.models import paper
 from beltsort.perception import Finding
+from beltsort.sorting.entries import Scanned, Started
 from beltsort.sorting.journal import Entry
 
 
 def test_a_scan_tells_labels_and_findings() -> None:
     model, narrator = paper(), Narrator()
-    narrator.line(Entry(1, "", "start", None, {"objects": 2, "model": model.to_json()}))
+    narrator.line(Entry(1, "", None, Started(run="a", objects=2, model=model.to_json())))
 
     def told(labels: list[int | None], findings: list[Finding]) -> str:
         belief = [model.arrival.tolist()] * 2
-        data = {"viewpoint": 0, "labels": labels, "findings": findings, "belief": belief}
-        line = narrator.line(Entry(2, "", "scan", 0, data))
+        scan = Scanned(0, labels, [False, False], [*findings], [], belief, [[-1] * 3] * 2)
+        line = narrator.line(Entry(2, "", 0, scan))
         assert line is not None
         return line
 

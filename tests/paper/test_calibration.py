@@ -8,6 +8,7 @@ from beltsort.calibration.dependence import dependences
 from beltsort.calibration.portraits import Portraits
 from beltsort.calibration.reliability import Pairs, reliability
 from beltsort.calibration.sorted_runs import run_in
+from beltsort.sorting.entries import AnyContent, Decided, Scanned, Started
 from beltsort.sorting.journal import Entry
 
 
@@ -53,11 +54,13 @@ def test_only_repeated_looks_depend() -> None:
 
 def test_pairs_of_a_run_are_its_journal() -> None:
     model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]] * 2)
-    start = Entry(1, "", "start", None, {"run": "r", "objects": 1, "model": model.to_json()})
-    scan = {"viewpoint": 0, "labels": [0, 1], "empty": [False, False], "dropped": []}
-    scan |= {"belief": [[0.8, 0.2], [0.2, 0.8]], "last_labels": [[-1], [-1]]}
-    decision = {"label": 0, "bin": 0, "belief": 0.8, "looks": 1, "forced": None}
-    entries = [start, Entry(2, "", "scan", 0, scan), Entry(3, "", "decision", 0, decision)]
+    belief = [[0.8, 0.2], [0.2, 0.8]]
+    contents: list[tuple[int | None, AnyContent]] = [
+        (None, Started(run="r", objects=1, model=model.to_json())),
+        (0, Scanned(0, [0, 1], [False, False], ["object", "object"], [], belief, [[-1], [-1]])),
+        (0, Decided(label=0, bin=0, belief=0.8, looks=1, forced=None)),
+    ]
+    entries = [Entry(number, "", index, told) for number, (index, told) in enumerate(contents, start=1)]
     run = run_in(entries, true=[0])
     assert run.beliefs == ((0, (0.8, 0.2)),)
     assert run.decisions == ((0, 0, 0.8),)

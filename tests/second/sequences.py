@@ -17,7 +17,9 @@ import numpy as np
 
 from beltsort.cell import CommandError
 from beltsort.drivers.fieldbus import FieldbusDevice
+from beltsort.sorting.entries import Answered
 from beltsort.sorting.holds import NUMBER, Answer, Hold, Way
+from beltsort.sorting.journal import read_journal
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from tests.second.program import JOURNAL, Site, class_of, program
@@ -66,6 +68,7 @@ class Sequence(ABC):
         self.coming = ""
         self.pressed = False
         self.unasked = 0  # restarts of the controller after which no question was answered yet
+        self.doubted = False  # whether the last question was due to one of them
 
     @property
     @abstractmethod
@@ -138,8 +141,11 @@ class Sequence(ABC):
         while True:
             self.account.starts += 1
             assert self.account.starts < STARTS, "the run cannot be resumed by what it says"
+            before = self.answers()
             ended = self.started(settle)
-            settle = None
+            if settle is not None and self.answers() == before:  # killed before the answer was written
+                self.unasked += self.doubted
+            settle, self.doubted = None, False
             if self.pressed:  # before anything else: a controller takes no homing while it is
                 self.release()
                 self.pressed = False
@@ -180,6 +186,15 @@ class Sequence(ABC):
         process.join(PATIENCE)
         receiving.close()
         return ended[0]
+
+    def answers(self) -> int:
+        """Return how many answers the journal tells of."""
+        journal = self.folder / JOURNAL
+        return (
+            sum(isinstance(entry.content, Answered) for entry in read_journal(journal))
+            if journal.exists()
+            else 0
+        )
 
     def hurt(self, process: Any) -> None:
         """Interrupt or kill the run."""
@@ -226,7 +241,7 @@ class Sequence(ABC):
         if set(hold.answers) & {Answer.DONE, Answer.NOT_DONE}:
             if "broken off (" in hold.reason:
                 return True  # by a stop
-            self.unasked -= 1
+            self.unasked, self.doubted = self.unasked - 1, True
             return self.unasked >= 0
         return hold.person == any(way.home is not None or way.answer for way in hold.ways)
 

@@ -99,6 +99,22 @@ def test_a_command_that_fails_is_done_once_all_the_same(tmp_path: Path, name: st
     assert all("CommandError" in failure["error"] for failure in failures)
 
 
+class SilentCell(FailingCell):
+    """Once the sort was sent, nothing answers any more."""
+
+    def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
+        if "sort" in command_id:
+            raise CommandError("no connection", Outcome.UNKNOWN)
+        return super().outcome_of(command_id)
+
+
+def test_reasons_are_told_once_however_often_a_device_was_asked(tmp_path: Path) -> None:
+    with pytest.raises(HeldError) as held:
+        sort_two(tmp_path, SilentCell(PAPER, mishaps={"sort": [lose_the_command] * 9}))
+    reason = held.value.hold.reason
+    assert (reason.count("no answer"), reason.count("no connection")) == (1, 1), reason
+
+
 def test_a_command_that_always_fails_holds_the_run(tmp_path: Path) -> None:
     cell = FailingCell(PAPER, mishaps={"advance": [refuse] * 3})
     with pytest.raises(HeldError, match=r"advance 1\b.*\b3 times\b.*\bbusy\b") as held:

@@ -1,37 +1,72 @@
 import gc
 import itertools
+import json
 import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
 from beltsort.errors import JournalError
+from beltsort.sorting.command import Command
+from beltsort.sorting.entries import (
+    AnyContent,
+    CommandDone,
+    Ended,
+    Intended,
+    Resumed,
+    ScanUnusable,
+    Snapshot,
+    Started,
+    content_of,
+    plain,
+)
 from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.progress import Progress
 from tests.account import Account
 
 KILLED_BETWEEN_INTENT_AND_OUTCOME = """
 import os, signal, sys
 from pathlib import Path
-from beltsort.sorting.journal import Entry, Journal
+from beltsort.sorting.command import Command
+from beltsort.sorting.entries import Intended, Started
+from beltsort.sorting.journal import Journal
 journal = Journal(Path(sys.argv[1]))
-journal.append("start")
-journal.append("intent", label=3)
+journal.append(Started(run="a", objects=1, model=""))
+journal.append(Intended(Command("a-sort-1", "sort", 3, "boot")))
 os.kill(os.getpid(), signal.SIGKILL)
 """
+
+FIXTURES = Path(__file__).parents[1] / "fixtures" / "journal"
+"""As version 0.1.0 wrote them before entries had types."""
+
+
+def lines_of(name: str) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in (FIXTURES / name).read_text().splitlines()]
+
+
+STORED = lines_of("kinds.jsonl")
+
+START = Started(run="a", objects=1, model="")
+RESUME = Resumed(objects=1, model="")
+SNAPSHOT = Snapshot(
+    model="", run="a", objects=1, index=0, viewpoint=0, arrived=True, steps=0, commands=0, glances=0,
+    stopped=0.0, bin=None, belief=[[0.5, 0.5]], last_labels=[[-1]], owed="choice", pending=None, visible=[],
+)  # fmt: skip
 
 
 def test_entries_read_back_as_written(tmp_path: Path) -> None:
     heard: list[Entry] = []
     with Journal(tmp_path / "j", heard.append) as journal:
-        journal.append("start", objects=3)
+        journal.append(START)
         journal.object = 0
-        journal.append("intent", viewpoint=1)
-        journal.append("outcome", seconds=0.1)
+        journal.append(Intended(Command("a-sort-1", "sort", 3, "boot")))
+        journal.append(CommandDone("a-sort-1", stopped=0.1))
     entries = read_journal(tmp_path / "j")
     assert entries == heard
     assert [(e.number, e.kind, e.object) for e in entries] == [
@@ -45,7 +80,10 @@ def test_a_killed_process_loses_nothing_that_was_appended(tmp_path: Path) -> Non
     path = tmp_path / "journal.sqlite"
     killed = subprocess.run([sys.executable, "-c", KILLED_BETWEEN_INTENT_AND_OUTCOME, path], check=False)
     assert killed.returncode == -9
-    assert [(e.kind, e.data.get("label")) for e in read_journal(path)] == [("start", None), ("intent", 3)]
+    assert [entry.content for entry in read_journal(path)] == [
+        START,
+        Intended(Command("a-sort-1", "sort", 3, "boot")),
+    ]
 
 
 def test_a_run_never_overwrites_another(tmp_path: Path) -> None:
@@ -62,10 +100,10 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
 def test_a_full_disk_is_told_and_keeps_what_was_written(tmp_path: Path, account: Account) -> None:
     account.injected("journal")
     journal = Journal(tmp_path / "j")
-    journal.append("start")
+    journal.append(START)
     journal._database.execute("PRAGMA max_page_count=1")
     with pytest.raises(JournalError, match=r"/j .*\bdisk is full\b"):
-        journal.append("scan", labels=["x" * 100_000])
+        journal.append(ScanUnusable("x" * 100_000))
     journal.close()
     assert [entry.kind for entry in read_journal(tmp_path / "j")] == ["start"]
 
@@ -94,13 +132,13 @@ def test_interrupts_at_any_moment_leave_a_readable_journal(tmp_path: Path) -> No
             assert last in (written, written + 1), "what was interrupted is written whole, or not at all"
             written, instruction = last, instruction + 1
         assert 0 < written < instruction, "interrupted before an entry was written, and after"
-        assert journal.append("end").number == written + 2
+        assert journal.append(Ended("done")).number == written + 2
     entries = read_journal(path)
     assert [entry.number for entry in entries] == list(range(1, written + 3))
-    assert [entry.kind for entry in entries] == ["scan"] * (written + 1) + ["end"]
+    assert [entry.kind for entry in entries] == ["bad_scan"] * (written + 1) + ["end"]
 
 
-def interrupted_at(number: int, append: Callable[[str], Entry]) -> bool:
+def interrupted_at(number: int, append: Callable[[AnyContent], Entry]) -> bool:
     """Append a scan, and raise KeyboardInterrupt before one of its instructions; tell if it has so many."""
     instructions = itertools.count()
 
@@ -116,7 +154,7 @@ def interrupted_at(number: int, append: Callable[[str], Entry]) -> bool:
     sys._getframe().f_trace_opcodes = True  # Python 3.12 traces instructions only if asked before
     sys.settrace(trace)
     try:
-        append("scan")
+        append(ScanUnusable("dark"))
     except KeyboardInterrupt:
         return True
     finally:
@@ -129,9 +167,9 @@ def interrupted_at(number: int, append: Callable[[str], Entry]) -> bool:
 def test_a_journal_goes_on_where_it_ended(tmp_path: Path) -> None:
     path = tmp_path / "journal.sqlite"
     with Journal(path) as journal:
-        journal.append("start")
+        journal.append(START)
     with Journal(path, resume=True) as journal:
-        journal.append("resume")
+        journal.append(RESUME)
     assert [(entry.number, entry.kind) for entry in read_journal(path)] == [(1, "start"), (2, "resume")]
     with pytest.raises(JournalError, match=r"/none .*\bjournal\.sqlite\b"):
         Journal(tmp_path / "none", resume=True)
@@ -141,19 +179,73 @@ def test_rotation_bounds_the_size_and_keeps_the_numbers(tmp_path: Path) -> None:
     path = tmp_path / "journal.sqlite"
     with Journal(path, keep=2) as journal:
         for number in range(1, 6):
-            journal.append("scan", number=number)
-            journal.rotate(upto=number)
+            journal.append(ScanUnusable("dark"))
+            journal.rotate(replace(SNAPSHOT, index=number))
     kept = read_journal(path)
     assert [entry.number for entry in kept] == list(range(kept[0].number, 11))
-    assert kept[0].data == {"upto": 3}, "the oldest file that is kept begins with a snapshot"
+    assert kept[0].content == replace(SNAPSHOT, index=3), (
+        "the oldest file that is kept begins with a snapshot"
+    )
     assert len(list(tmp_path.glob("journal*.sqlite"))) == 3
 
 
 def test_a_crash_in_the_middle_of_rotation_loses_nothing(tmp_path: Path) -> None:
     path = tmp_path / "journal.sqlite"
     with Journal(path) as journal:
-        journal.append("start")
+        journal.append(START)
     path.rename(tmp_path / "journal-0001.sqlite")
     with Journal(path, resume=True) as journal:
-        assert journal.append("resume").number == 2
+        assert journal.append(RESUME).number == 2
     assert [entry.kind for entry in read_journal(path)] == ["start", "resume"]
+
+
+@pytest.mark.parametrize("stored", STORED, ids=lambda stored: stored["kind"])
+def test_entries_of_earlier_versions_are_read(stored: dict[str, Any]) -> None:
+    content = content_of(stored["kind"], stored["data"])
+    assert content.kind == stored["kind"]
+    assert contains(plain(content), stored["data"])
+
+
+def contains(whole: Any, part: Any) -> bool:
+    """Tell whether plain data has all that other plain data has; null counts as left out."""
+    if isinstance(part, dict):
+        return all(contains(whole.get(name), value) for name, value in part.items())
+    return bool(whole == part)
+
+
+def test_a_run_of_an_earlier_version_is_read_to_the_same_state() -> None:
+    entries = [
+        Entry(line["number"], line["time"], line["object"], content_of(line["kind"], line["data"]))
+        for line in lines_of("run.jsonl")
+    ]
+    progress, state = Progress.after(entries), json.loads((FIXTURES / "state.json").read_text())
+    assert progress.steps == state["steps"]
+    assert [[d.object, d.label, d.looks] for d in progress.decisions] == state["decisions"]
+    again = plain(progress.snapshot())
+    assert {name: again.get(name) for name in state["snapshot"]} == state["snapshot"]
+    restored = Progress.after([Entry(1, "", 0, progress.snapshot())])
+    assert restored.snapshot() == progress.snapshot()
+
+
+def test_there_is_an_entry_of_every_kind() -> None:
+    assert {stored["kind"] for stored in STORED} == {form.kind for form in get_args(AnyContent)}
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "named"),
+    [
+        ("decison", {}, "decison"),
+        ("end", {}, "reason"),
+        ("end", {"reason": "done", "becuase": "x"}, "becuase"),
+        ("passed", {"index": "many"}, "index"),
+    ],
+)
+def test_an_entry_that_nobody_knows_is_refused(
+    kind: str, data: dict[str, Any], named: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "journal.sqlite"
+    with Journal(path) as journal:
+        journal.append(START)
+        journal._database.execute("INSERT INTO entries VALUES (2, '', ?, NULL, ?)", (kind, json.dumps(data)))
+    with pytest.raises(JournalError, match=rf"journal\.sqlite: entry 2 .*\b{named}\b"):
+        read_journal(path)
