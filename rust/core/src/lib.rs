@@ -44,15 +44,14 @@
 
 mod belief;
 mod bounds;
-mod clusters;
+mod cloud;
 mod despot;
 mod error;
-mod lzf;
 mod model;
+mod offline;
 mod one_object;
 mod planes;
 mod policy;
-mod reference;
 mod remaining;
 mod sampling;
 mod scenario;
@@ -60,16 +59,13 @@ mod simulate;
 #[cfg(test)]
 mod testing;
 mod tree;
-mod vfh;
 
 pub use belief::Belief;
-pub use clusters::clusters;
+pub use cloud::{Distances, VFH_BINS, VfhOptions, clusters, lzf_decompress, vfh};
 pub use despot::{Budget, Despot, DespotConfig, Plan, TreeAction, TreeBranch, TreeNode};
 pub use error::{Error, Result};
-pub use lzf::lzf_decompress;
 pub use model::{Action, ModelSpec, ScalarOrMatrix, SortingModel, Tables};
+pub use offline::Solution;
 pub use one_object::OneObjectPolicy;
 pub use policy::{BudgetedDespot, InformationGain, OneObject, Policy, Threshold};
-pub use reference::Solution;
 pub use simulate::{Evaluation, EvaluationConfig, Statistics, TrueClasses, evaluate};
-pub use vfh::{Distances, VFH_BINS, VfhOptions, vfh};

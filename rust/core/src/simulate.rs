@@ -12,8 +12,8 @@ use rayon::prelude::*;
 
 use crate::error::{Result, argument_error};
 use crate::model::SortingModel;
+use crate::offline::Solution;
 use crate::policy::Policy;
-use crate::reference::Solution;
 use batch::Batch;
 pub use evaluation::{Evaluation, Statistics};
 
