@@ -22,6 +22,7 @@
 //! it is being expanded, however many threads there are: so they share the work without a say in the result.
 
 mod branch;
+mod budgeted;
 mod config;
 mod expand;
 mod explain;
@@ -29,6 +30,7 @@ mod frontier;
 mod histories;
 mod objects;
 mod plan;
+mod scan;
 mod search;
 mod shortfall;
 mod sightings;
@@ -47,6 +49,7 @@ use crate::remaining::Remaining;
 use crate::scenario::Randoms;
 use crate::tree::Values;
 
+pub use budgeted::BudgetedDespot;
 pub use config::{Budget, DespotConfig};
 pub use explain::{TreeAction, TreeBranch, TreeNode};
 pub use plan::Plan;

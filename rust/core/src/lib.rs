@@ -62,10 +62,10 @@ mod tree;
 
 pub use belief::Belief;
 pub use cloud::{Distances, VFH_BINS, VfhOptions, clusters, lzf_decompress, vfh};
-pub use despot::{Budget, Despot, DespotConfig, Plan, TreeAction, TreeBranch, TreeNode};
+pub use despot::{Budget, BudgetedDespot, Despot, DespotConfig, Plan, TreeAction, TreeBranch, TreeNode};
 pub use error::{Error, Result};
 pub use model::{Action, ModelSpec, ScalarOrMatrix, SortingModel, Tables};
 pub use offline::Solution;
 pub use one_object::OneObjectPolicy;
-pub use policy::{BudgetedDespot, InformationGain, OneObject, Policy, Threshold};
+pub use policy::{InformationGain, OneObject, Policy, Threshold};
 pub use simulate::{Evaluation, EvaluationConfig, Statistics, TrueClasses, evaluate};

@@ -1,7 +1,6 @@
 //! Policies: anything that names the next action for a belief and a viewpoint.
 
 use crate::belief::Belief;
-use crate::despot::{Budget, Despot};
 use crate::error::{Result, argument_error};
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
@@ -113,21 +112,6 @@ impl Policy for OneObject {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
         Ok(self.plans.action(&self.model, belief.known(), viewpoint))
-    }
-}
-
-/// A DESPOT planner with a fixed budget per step.
-#[derive(Debug, Clone)]
-pub struct BudgetedDespot {
-    /// The planner.
-    pub despot: Despot,
-    /// Its budget per planner step.
-    pub budget: Budget,
-}
-
-impl Policy for BudgetedDespot {
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
-        Ok(self.despot.plan(belief, viewpoint, self.budget)?.action)
     }
 }
 

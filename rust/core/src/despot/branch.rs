@@ -2,47 +2,14 @@
 
 use super::Despot;
 use super::objects::Objects;
+use super::scan::Scan;
 use super::shortfall::Prospect;
-use crate::bounds::{self, Foresight, Look, Sighting};
-use crate::model::{Action, SortingModel};
+use crate::bounds::{self, Foresight, Look};
 use crate::one_object::dot;
 use crate::planes;
 use crate::remaining::Remaining;
 use crate::scenario::LookPoint;
 use crate::tree::{Child, Node, Object, Values};
-
-/// Where in the scenarios a scan is taken.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Scan {
-    /// Planner steps before it.
-    pub depth: usize,
-    /// Decisions before it.
-    pub decisions: usize,
-    /// Where the camera stands.
-    pub viewpoint: usize,
-    /// Objects left to decide.
-    pub remaining: Remaining,
-}
-
-impl Scan {
-    /// The scan that an action at a node brings, if any.
-    pub(super) fn of(model: &SortingModel, node: &Node, action: Action) -> Option<Self> {
-        let &Node { depth, decisions, viewpoint, remaining, .. } = node;
-        match action {
-            Action::Move(viewpoint) => Some(Self { depth, decisions, viewpoint, remaining }),
-            Action::Decide(_) if model.observes_after_decision() && !remaining.after(1).is_over() => {
-                Some(Self { depth, decisions: decisions + 1, viewpoint, remaining: remaining.after(1) })
-            }
-            Action::Decide(_) => None,
-        }
-    }
-
-    /// One of its looks.
-    #[inline(always)]
-    pub(super) fn look(&self, Sighting { position, viewpoint, last }: Sighting) -> LookPoint {
-        LookPoint { depth: self.depth, decisions: self.decisions, viewpoint, position, last }
-    }
-}
 
 /// Enumeration of label vectors, from the last position to the belt end; a position's label is only tried where
 /// scenarios are left. The buffers are reused.

@@ -1,8 +1,9 @@
 //! Expanding a leaf: all its actions, each with its children.
 
 use super::Despot;
-use super::branch::{Brancher, Scan};
+use super::branch::Brancher;
 use super::objects::Objects;
+use super::scan::Scan;
 use super::shortfall::left_to_learn;
 use super::sightings::act;
 use crate::bounds::{self, Sighting};

@@ -4,8 +4,8 @@
 //! alone. Many nodes share it: of two objects there are 16^d histories of labels at depth d, of each only 4^d. Those
 //! that differ in the order of the labels alone are one object: the first that was known.
 
-use super::branch::Scan;
 use super::histories::Histories;
+use super::scan::Scan;
 use crate::belief::{Belief, Memory};
 use crate::bounds::Sighting;
 use crate::model::{Action, SortingModel};

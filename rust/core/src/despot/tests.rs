@@ -1,6 +1,6 @@
 use proptest::prelude::*;
 
-use super::branch::Scan;
+use super::scan::Scan;
 use super::*;
 use crate::bounds::{self, Foresight, Sighting};
 use crate::model::{Action, ModelSpec};
