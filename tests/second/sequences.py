@@ -17,6 +17,7 @@ import numpy as np
 
 from beltsort.cell import CommandError
 from beltsort.drivers.fieldbus import FieldbusDevice
+from beltsort.errors import JournalError
 from beltsort.sorting.entries import Answered
 from beltsort.sorting.holds import NUMBER, Answer, Hold, Way
 from beltsort.sorting.journal import read_journal
@@ -189,12 +190,11 @@ class Sequence(ABC):
 
     def answers(self) -> int:
         """Return how many answers the journal tells of."""
-        journal = self.folder / JOURNAL
-        return (
-            sum(isinstance(entry.content, Answered) for entry in read_journal(journal))
-            if journal.exists()
-            else 0
-        )
+        try:
+            entries = read_journal(self.folder / JOURNAL)
+        except JournalError:  # killed before its first entry
+            return 0
+        return sum(isinstance(entry.content, Answered) for entry in entries)
 
     def hurt(self, process: Any) -> None:
         """Interrupt or kill the run."""
