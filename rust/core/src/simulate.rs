@@ -18,7 +18,7 @@ use batch::Batch;
 pub use evaluation::{Evaluation, Statistics};
 
 /// Batches, and objects of a batch, are fewer than this: together they number a stream of randoms.
-const MOST: usize = 1 << 31;
+const LIMIT: usize = 1 << 31;
 
 /// Where the true classes of a batch come from.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,8 +75,8 @@ fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) 
     for (name, value) in
         [("batches", config.batches), ("batch_size", config.batch_size), ("max_looks", config.max_looks)]
     {
-        if value == 0 || value >= MOST {
-            return argument_error(format!("{name} = {value}; give at least 1, and less than {MOST}"));
+        if value == 0 || value >= LIMIT {
+            return argument_error(format!("{name} = {value}; give at least 1, and less than {LIMIT}"));
         }
     }
     if let Some(reference) = &config.reference {

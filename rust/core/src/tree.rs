@@ -237,8 +237,9 @@ impl Tree {
         }
     }
 
-    /// Have a leaf count as settled for now, as far as upper bounds go.
-    pub(crate) fn settle(&mut self, mut place: Option<Place>) {
+    /// Virtual loss: until a chosen leaf has been expanded, its upper bound counts as low as its lower bound, so that
+    /// the other trials of a batch choose other leaves.
+    pub(crate) fn apply_virtual_loss(&mut self, mut place: Option<Place>) {
         let mut upper = self.child(place).values.lower;
         loop {
             let values = &mut self.child_mut(place).values;

@@ -11,8 +11,8 @@ use crate::tree::{Child, Node, Place, Tree, id, indices};
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
 const TARGET_GAP: f64 = 0.95;
 
-/// A root gap, as a part of `r_max`, below which the sampled problem counts as solved.
-const SOLVED: f64 = 1e-10;
+/// Tolerance of the search: it ends once the root's bounds are closer than this, in units of `r_max`.
+const GAP_TOLERANCE: f64 = 1e-10;
 
 /// What a search has done.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,9 +29,9 @@ pub(super) struct Tally {
 #[derive(Debug, Default)]
 pub(crate) struct Frontier {
     pub tree: Tree,
-    /// Leaves to be expanded.
+    /// Leaves chosen by trials, to be expanded.
     pub chosen: Vec<Expansion>,
-    /// Leaves that are, and are not in the tree yet.
+    /// Expanded leaves that wait to be attached to the tree, in the order of their choice.
     pub expanded: Vec<Expansion>,
     pub tally: Tally,
     /// Nodes to be used again.
@@ -62,7 +62,7 @@ impl Frontier {
 
     /// Choose the leaves of so many trials, or of fewer if nothing else is worth one.
     pub(super) fn choose_leaves(&mut self, despot: &Despot, trials: usize) {
-        if self.tree.root.values.gap() < SOLVED * despot.model.spec().r_max {
+        if self.tree.root.values.gap() < GAP_TOLERANCE * despot.model.spec().r_max {
             return;
         }
         for _ in 0..trials {
@@ -90,7 +90,7 @@ impl Frontier {
             node.objects.extend(at_root(&despot.model, self.tree.remaining));
         }
         self.chosen.push(Expansion { node, scan, values: self.tree.child(leaf).values });
-        self.tree.settle(leaf);
+        self.tree.apply_virtual_loss(leaf);
     }
 
     /// One trial: follow the most promising action and the most uncertain label down to a leaf.

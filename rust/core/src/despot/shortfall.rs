@@ -23,12 +23,12 @@ use crate::sampling::{Purpose, invert, stream};
 const WORK: usize = 100_000;
 const BELIEFS: std::ops::Range<usize> = 500..2000;
 
-/// How often the walk takes any action instead of the best.
-const STRAYING: f64 = 0.5;
-/// Backups of the fit; the discount leaves nothing of its start.
-const ROUNDS: usize = 300;
+/// Probability that the walk takes a random action instead of the best one.
+const EXPLORATION: f64 = 0.5;
+/// Iterations of fitted value iteration; the discount leaves nothing of the start value after so many.
+const ITERATIONS: usize = 300;
 
-/// Keeps the fit defined where a feature is the same everywhere; far below any sum of squares.
+/// Regularisation of the least-squares fit, for features that are constant over all beliefs; far below any sum of squares.
 const RIDGE: f64 = 1e-9;
 
 /// What a set of beliefs promises, each counted with its weight.
@@ -74,7 +74,7 @@ impl Shortfall {
         let mut walk = Walk::new(model, policy);
         let visits: Vec<Visit> = (0..walk.length()).map(|_| walk.step()).collect();
         let mut fit = Self(Vector3::zeros());
-        for _ in 0..ROUNDS {
+        for _ in 0..ITERATIONS {
             let Some(next) = fit.backed_up(model.discount(), &visits) else { break };
             fit = next;
         }
@@ -137,8 +137,8 @@ impl<'a> Walk<'a> {
         let actions = self.actions();
         let worth = |(reward, next): &(f64, Prospect)| reward + self.model.discount() * next.value;
         let best = (0..actions.len()).max_by(|a, b| worth(&actions[*a]).total_cmp(&worth(&actions[*b])));
-        let strays = self.rng.random::<f64>() < STRAYING;
-        let chosen = if strays { self.rng.random_range(0..actions.len()) } else { best.unwrap_or(0) };
+        let explores = self.rng.random::<f64>() < EXPLORATION;
+        let chosen = if explores { self.rng.random_range(0..actions.len()) } else { best.unwrap_or(0) };
         if chosen == 0 {
             self.belief.advance(self.model);
         } else {

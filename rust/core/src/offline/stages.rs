@@ -42,7 +42,7 @@ const MOST_SPENT: u32 = 20;
 /// Times are foreseen from earlier ones; a stage that needs so many times the one foreseen is still in time.
 const MARGIN: f64 = 1.3;
 /// A gap, as a part of `r_max`, at which there is nothing left to do.
-const SOLVED: f64 = 1e-6;
+const GAP_TOLERANCE: f64 = 1e-6;
 
 /// The grid bound, refined from coarse to fine.
 pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBound {
@@ -134,7 +134,7 @@ pub(super) fn searched(
             }
             spent = began.elapsed();
         }
-        if over || watch.gap() < SOLVED * model.spec().r_max {
+        if over || watch.gap() < GAP_TOLERANCE * model.spec().r_max {
             return known;
         }
         reach.grow(&mut graph, || watch.over(SEARCH_UNTIL));

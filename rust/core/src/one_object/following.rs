@@ -6,9 +6,9 @@ use super::plan_set::{ConditionalPlan, PlanSet};
 use crate::model::SortingModel;
 use crate::remaining::Remaining;
 
-/// A change of value, as a part of `r_max`, that does not matter.
-const NEGLIGIBLE: f64 = 1e-6;
-/// The most objects whose number may matter; more of them only where the discount is close to 1.
+/// Convergence tolerance of the value of n unseen objects in n, in units of `r_max`.
+const TOLERANCE: f64 = 1e-6;
+/// Most unseen objects that are told apart; they differ up to here only where the discount is close to 1.
 const MOST_OBJECTS: usize = 2000;
 
 /// What is known of all continuations, whatever is known of the objects behind.
@@ -87,7 +87,7 @@ impl OneObjectPolicy {
             let next: Vec<f64> = (0..last.len()).map(|s| self.best(s, arrival, last).1).collect();
             let change = next.iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             values.push(next);
-            if change < NEGLIGIBLE * model.spec().r_max {
+            if change < TOLERANCE * model.spec().r_max {
                 break;
             }
         }

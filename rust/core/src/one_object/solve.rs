@@ -14,19 +14,21 @@ use crate::belief::most_likely;
 use crate::model::{Action, SortingModel};
 use crate::sampling::{Purpose, invert, stream};
 
+/// Most belief points of point-based value iteration, and the random walks that they are met on.
 const POINTS: usize = 1000;
 const WALKS: u64 = 2000;
 const LOOKS_PER_WALK: usize = 8;
+/// Most sweeps of value iteration.
 const SWEEPS: usize = 200;
-/// Change of the value of any point, as a part of `r_max`, at which sweeping stops.
-const CONVERGED: f64 = 1e-4;
-/// Rise of the value of an unseen object, as a part of `r_max`, that is none.
-const NO_RISE: f64 = 1e-6;
-/// Loss at one belief, as a part of `r_max`, at which a plan is worth keeping.
-const THINNING: f64 = 3e-2;
-/// Rounds of policy evaluation; each changes plans for better ones, and few do.
-const EVALUATIONS: usize = 100;
-/// Points nearer than this (largest difference of two probabilities) count as one.
+/// Convergence tolerance of value iteration: the largest change of a point's value in one sweep, in units of `r_max`.
+const SWEEP_TOLERANCE: f64 = 1e-4;
+/// Convergence tolerance of policy iteration: the rise of an unseen object's value in one round, in units of `r_max`.
+const ROUND_TOLERANCE: f64 = 1e-6;
+/// A plan is pruned if the others lose less than this without it at every point, in units of `r_max`.
+const PRUNING_TOLERANCE: f64 = 3e-2;
+/// Most rounds of policy iteration; it converges in a few.
+const ROUNDS: usize = 100;
+/// Points whose probabilities differ by less than this count as one.
 const SAME_POINT: f64 = 2e-3;
 
 impl OneObjectPolicy {
@@ -42,7 +44,7 @@ impl OneObjectPolicy {
             policy.evaluate_arrival(model);
             let before = std::mem::replace(&mut values, policy.values_at(&points));
             let change = before.iter().zip(&values).map(|(a, b)| (a - b).abs() / model.spec().r_max);
-            if change.fold(0.0, f64::max) < CONVERGED {
+            if change.fold(0.0, f64::max) < SWEEP_TOLERANCE {
                 break;
             }
         }
@@ -59,14 +61,14 @@ impl OneObjectPolicy {
         groups.flat_map(|group| points.iter().map(move |belief| value(group, belief))).collect()
     }
 
-    /// Keep only plans that are worth more than [`THINNING`] says somewhere: the search evaluates them all, often.
+    /// Prune the plans (see [`PRUNING_TOLERANCE`]): the search evaluates all of them at every leaf.
     fn thin(&mut self, model: &SortingModel, points: &[Vec<f64>]) {
         for group in 0..self.group_count() {
             let mut kept: Vec<ConditionalPlan> = Vec::new();
             for belief in points {
                 let value = |plan: &ConditionalPlan| plan.value(belief, &self.arrival_values);
                 let (best, worth) = self.best(group, belief, &self.arrival_values);
-                if kept.iter().all(|plan| value(plan) < worth - THINNING * model.spec().r_max) {
+                if kept.iter().all(|plan| value(plan) < worth - PRUNING_TOLERANCE * model.spec().r_max) {
                     kept.push(best.clone());
                 }
             }
@@ -174,7 +176,7 @@ impl OneObjectPolicy {
     fn evaluate_arrival(&mut self, model: &SortingModel) {
         let arrival = model.arrival().as_slice();
         let groups = self.group_count();
-        for round in 0..EVALUATIONS {
+        for round in 0..ROUNDS {
             let chosen: Vec<_> = (0..groups).map(|s| self.best(s, arrival, &self.arrival_values).0).collect();
             let gains = DVector::from_fn(groups, |s, _| dot(arrival, chosen[s].gain.as_slice()));
             let mut system = DMatrix::identity(groups, groups);
@@ -185,7 +187,7 @@ impl OneObjectPolicy {
             }
             // Row sums of D are at most the discount, so the system is diagonally dominant and solvable.
             let Some(solved) = system.lu().solve(&gains) else { return };
-            let risen = |(new, old): (&f64, &f64)| *new > old + NO_RISE * model.spec().r_max;
+            let risen = |(new, old): (&f64, &f64)| *new > old + ROUND_TOLERANCE * model.spec().r_max;
             let rise = solved.iter().zip(&self.arrival_values).any(risen);
             self.arrival_values = solved.iter().copied().collect();
             // Round 0 replaces values that may not be those of any policy.
