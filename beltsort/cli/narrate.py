@@ -17,6 +17,7 @@ from beltsort.sorting.entries import (
     Skipped,
     Snapshot,
     Started,
+    State,
     StateChanged,
 )
 from beltsort.sorting.journal import Entry
@@ -44,7 +45,7 @@ class Narrator:
         match entry.content:
             case Started() | Snapshot() | Resumed() as first if not self.classes:
                 text = self._start(first)
-            case StateChanged(state, reason) if state in ("Held", "Aborted"):
+            case StateChanged(State.HELD | State.ABORTED as state, reason):
                 text = f"{state.lower()}: {reason}"
             case Resumed():
                 text = "resumed"

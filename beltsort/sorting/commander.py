@@ -21,10 +21,10 @@ from beltsort.sorting.entries import (
     CommandFailed,
     Intended,
     ObjectsPassed,
+    State,
     StateChanged,
 )
 from beltsort.sorting.holds import FURTHER, Answer, HeldError, Hold, Operator, astray, at_the_end, in_doubt
-from beltsort.sorting.packml import State
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.rules import Rules

@@ -7,6 +7,7 @@ viewpoints and objects are numbers from 0; beliefs have shape (H, L).
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from enum import StrEnum
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, get_args
 
@@ -16,6 +17,19 @@ from beltsort.sorting.rules import Seen
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
+
+
+class State(StrEnum):
+    """Of a run, by the names of ISA-TR88.00.02 (PackML)."""
+
+    EXECUTE = "Execute"
+    COMPLETE = "Complete"
+    HELD = "Held"
+    """It goes on once somebody has seen to the cell."""
+    STOPPED = "Stopped"
+    """By a person."""
+    ABORTED = "Aborted"
+    """By the emergency stop, or by an error that nobody foresaw."""
 
 
 class Content:
@@ -64,10 +78,10 @@ class Resumed(Content):
 
 @dataclass(frozen=True)
 class StateChanged(Content):
-    """The run is in another state (ISA-TR88.00.02)."""
+    """The run is in another state."""
 
     kind = "state"
-    state: str
+    state: State
     reason: str
     command_id: str | None = None
     """Of the command at which it is held."""

@@ -13,11 +13,10 @@ from beltsort.errors import CellError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.choosing import Chooser
 from beltsort.sorting.commander import Commander
-from beltsort.sorting.entries import Drifted, Ended, Resumed, Started, StateChanged
+from beltsort.sorting.entries import Drifted, Ended, Resumed, Started, State, StateChanged
 from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.observing import Observer, Perceive, PerceivedPosition
-from beltsort.sorting.packml import State
 from beltsort.sorting.progress import Owed, Progress
 from beltsort.sorting.record import Record, progress_in
 from beltsort.sorting.report import SortingReport

@@ -19,7 +19,6 @@ or the truth is not known). An object that was taken out and put back gets anoth
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,7 @@ import numpy as np
 
 from beltsort.errors import RecordingError
 from beltsort.geometry import BeltLayout, Pose
+from beltsort.util.naming import nearest_of
 
 VERSION = 1
 HEADER, MANIFEST = "cell.json", "manifest.jsonl"
@@ -220,9 +220,8 @@ class _Reader:
     def index(self, name: object, names: Sequence[str], what: str) -> int:
         if name in names:
             return names.index(str(name))
-        nearest = get_close_matches(str(name), names, n=1, cutoff=0.0)[0]
         raise self.refusal(
-            f"there is no {what} {name!r}; did you mean {nearest!r}? Known: {', '.join(names)}",
+            f"there is no {what} {name!r}; {nearest_of(str(name), names)}",
             f"correct the line, or add the name to {HEADER}",
         )
 

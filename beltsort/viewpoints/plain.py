@@ -1,13 +1,13 @@
 """Reading plain JSON data with messages that say where it is wrong."""
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from beltsort.errors import ViewpointError
+from beltsort.util.naming import nearest_of
 
 LONGEST = 60  # characters of a value in a message
 
@@ -19,10 +19,7 @@ def fields_of(value: object, keys: Sequence[str], where: str) -> list[Any]:
         raise ViewpointError(f"{where} is {short(value)}, expected an object with the keys {known}")
     for key in value:
         if key not in keys:
-            nearest = get_close_matches(key, keys, n=1, cutoff=0.0)[0]
-            raise ViewpointError(
-                f"{where} has the unknown key {key!r}; did you mean {nearest!r}? Known: {known}"
-            )
+            raise ViewpointError(f"{where} has the unknown key {key!r}; {nearest_of(key, keys)}")
     for key in keys:
         if key not in value:
             raise ViewpointError(f"{where} lacks the key {key!r}; expected {known}")
