@@ -10,8 +10,9 @@ from tests.account import Account, table
 
 laws.load_profile()
 
-# A shell has its background jobs ignore Ctrl-C, and whatever they start inherits that.
+# A shell has its background jobs ignore Ctrl-C, and nohup a hang-up; whatever they start inherits that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 LONGEST = (
