@@ -67,6 +67,8 @@ soak: build venv  ## 100 kills, 1,000 objects with faults, 3,000 sequences of fa
 bench: build venv  ## criterion and pytest-benchmark; on an idle machine
 	cargo bench -p beltsort-benches
 	$(bin)/python -m pytest benchmarks --benchmark-enable
+	$(bin)/python -m benchmarks.machine
+	$(bin)/python -m benchmarks.machine perception
 
 format: venv  ## format everything, and mend what ruff can mend
 	cargo fmt --all

@@ -14,7 +14,6 @@ from beltsort import BeltsortError, __version__
 from beltsort.cell.commands import CommandError, EmergencyStopError
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cli import (
-    bench,
     calibrate_check,
     check,
     classify,
@@ -52,7 +51,6 @@ COMMANDS = (
     sweep,
     solve,
     export,
-    bench,
     viewpoints,
     train,
     classify,

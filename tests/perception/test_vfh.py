@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort.bench.plain_vfh import plain_vfh
 from beltsort.errors import CloudError
 from beltsort.geometry import Points
 from beltsort.perception import vfh, vfh_batch
+from benchmarks.machine.plain_vfh import plain_vfh
 from tests.laws import cases
 
 FIXTURES = sorted((Path(__file__).parents[1] / "fixtures" / "vfh_pcl").glob("*.npz"))

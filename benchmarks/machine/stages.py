@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 import open3d as o3d
 
-from beltsort.bench.plain_vfh import plain_vfh
-from beltsort.bench.stopwatch import Stopwatch
 from beltsort.cell.protocols import Scan
 from beltsort.perception import PerceptionConfig, oriented_normals, vfh
 from beltsort.perception.clean import main_clusters, voxel_means, without_outliers
 from beltsort.perception.segment import View
 from beltsort.perception.vfh import Histogram
 from beltsort.sim.config import CellConfig
+from benchmarks.machine.plain_vfh import plain_vfh
+from benchmarks.machine.stopwatch import Stopwatch
 
 PLANE_TOLERANCE = 0.005  # metres
 PLANE_TRIALS = 1000

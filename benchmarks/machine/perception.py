@@ -6,15 +6,15 @@ from time import perf_counter
 import numpy as np
 
 from beltsort._core import BUILD_PROFILE
-from beltsort.bench.plain_vfh import plain_vfh
-from beltsort.bench.planning import checked_seconds, repeated
-from beltsort.bench.stages import own_stages, plain_stages
-from beltsort.bench.stopwatch import Stopwatch
 from beltsort.cell.protocols import Scan
 from beltsort.geometry import Points
 from beltsort.perception import PerceptionConfig, vfh
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.util.machine import processor_name, processors
+from benchmarks.machine.plain_vfh import plain_vfh
+from benchmarks.machine.planning import checked_seconds, repeated
+from benchmarks.machine.stages import own_stages, plain_stages
+from benchmarks.machine.stopwatch import Stopwatch
 
 TRUE_LABELS = (3, 0, 1)
 DESCRIPTOR_POINTS = 2000
@@ -45,7 +45,7 @@ class PerceptionBench:
     Attributes
     ----------
     processor, processors, build_profile
-        As in `beltsort.bench.planning.Bench`.
+        As in `benchmarks.machine.planning.Bench`.
     scans
         Different scans of the simulated cell, each perceived in every turn.
     turns

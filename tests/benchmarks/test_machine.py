@@ -1,27 +1,43 @@
-"""beltsort bench: what it says is whole and coherent; how fast is another matter."""
+"""The benchmark of the machine at hand: what it says is whole and coherent; how fast is another matter."""
 
+import json
 import re
+from contextlib import redirect_stdout
+from io import StringIO
+from typing import Any
 
 import numpy as np
 import pytest
 
 from beltsort import Belief, Despot
 from beltsort._core import BUILD_PROFILE
-from beltsort.bench import planning as bench
-from beltsort.bench.stages import own_stages, plain_stages
-from beltsort.bench.stopwatch import Stopwatch
-from beltsort.cli import main
 from beltsort.models import paper
 from beltsort.perception import PerceptionConfig, describe, segment
 from beltsort.sim import CellConfig, SimulatedCell
-
-from .running import PAPER, command, json_of, output
+from benchmarks.machine import planning as bench
+from benchmarks.machine.__main__ import main
+from benchmarks.machine.stages import own_stages, plain_stages
+from benchmarks.machine.stopwatch import Stopwatch
+from tests.cli.running import PAPER
 
 pytestmark = pytest.mark.slow
 
 
+def output(*arguments: str) -> str:
+    printed = StringIO()
+    with redirect_stdout(printed):
+        assert main(arguments) == 0
+    return printed.getvalue()
+
+
+def json_of(*arguments: str) -> dict[str, Any]:
+    result = json.loads(output(*arguments, "--json"))
+    assert isinstance(result, dict)
+    return result
+
+
 def test_bench_as_json() -> None:
-    facts = json_of("bench", "--seconds", "0.2", "--model", PAPER)
+    facts = json_of("--seconds", "0.2", "--model", PAPER)
     assert facts["processor"]
     assert facts["build_profile"] == BUILD_PROFILE
     assert facts["peak_memory"] > 2**20
@@ -38,7 +54,7 @@ def test_bench_as_json() -> None:
 
 
 def test_bench_in_words() -> None:
-    text = command("bench", "--seconds", "0.1").stdout
+    text = output("--seconds", "0.1")
     assert re.search(r"\d processors; (release|debug) build\n", text)
     assert re.search(
         r"^  threads +plans +expansions +scenario steps +speed-up\n  1 .* 1\.00\n", text, re.MULTILINE
@@ -51,7 +67,7 @@ def test_a_debug_build_is_told_loudly(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(bench, "BUILD_PROFILE", "debug")
-    assert main(["bench", "--seconds", "0.01"]) == 0
+    assert main(["--seconds", "0.01"]) == 0
     captured = capsys.readouterr()
     assert re.match(r"WARNING: .*`make build`", captured.err)
     assert "debug build" in captured.out
@@ -59,7 +75,7 @@ def test_a_debug_build_is_told_loudly(
 
 @pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf"])
 def test_a_time_must_be_above_zero(seconds: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", f"--seconds={seconds}"]) == 2
+    assert main([f"--seconds={seconds}"]) == 2
     assert re.search(rf"seconds\b.*{seconds}\b.*\b0\b", capsys.readouterr().err)
 
 
@@ -68,7 +84,7 @@ def test_thread_counts() -> None:
 
 
 def test_bench_of_perception_as_json() -> None:
-    facts = json_of("bench", "perception", "--seconds", "0.1")
+    facts = json_of("perception", "--seconds", "0.1")
     assert facts["build_profile"] == BUILD_PROFILE
     assert facts["turns"] >= 3
     stages = {stage["name"]: (stage["own"], stage["plain"]) for stage in facts["stages"]}
@@ -81,7 +97,7 @@ def test_bench_of_perception_as_json() -> None:
 
 
 def test_bench_of_perception_in_words() -> None:
-    text = output("bench", "perception", "--seconds", "0.1")
+    text = output("perception", "--seconds", "0.1")
     assert re.search(r"^  stage +beltsort +plain Open3D\n  deproject +- +\d", text, re.MULTILINE)
     assert re.search(r"The plain pipeline takes \d+\.\d times as long\.\n", text)
 
