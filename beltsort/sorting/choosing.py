@@ -4,7 +4,7 @@ from beltsort._core import Decide, Despot, Move, PolicyError
 from beltsort.cell import Cell
 from beltsort.planning.policy import Policy
 from beltsort.sorting.commander import Commander
-from beltsort.sorting.entries import Chosen, Decided, Planned, Skipped, plain_action
+from beltsort.sorting.entries import Chosen, Decided, Planned, Skipped
 from beltsort.sorting.record import Record
 from beltsort.sorting.rules import Rules
 
@@ -77,7 +77,7 @@ class Chooser:
         if self._model.empty is not None or not tried or not legal:
             return None
         move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
-        self._record(Chosen(plain_action(move), why="the belt end was seen empty: look again"))
+        self._record(Chosen(_plain(move), why="the belt end was seen empty: look again"))
         return move
 
     def _plan(self) -> Move | Decide:
@@ -86,13 +86,13 @@ class Chooser:
         if not isinstance(self._policy, Despot):
             action = self._policy.act(belief.copy(), viewpoint)
             self._check_legal(action)
-            self._record(Chosen(plain_action(action)))
+            self._record(Chosen(_plain(action)))
             return action
         plan = self._policy.plan(belief, viewpoint)
         self._record(
             Planned(
-                plain_action(plan.action),
-                values=[{**plain_action(action), "value": value} for action, value in plan.values.items()],
+                _plain(plan.action),
+                values=[{**_plain(action), "value": value} for action, value in plan.values.items()],
                 lower=plan.lower,
                 upper=plan.upper,
                 trials=plan.trials,
@@ -130,3 +130,12 @@ class Chooser:
     def _skip(self, *, decided: bool) -> None:
         """Pass over an empty place: nothing to sort."""
         self._record(Skipped(self._progress.visible[0].empty, decided))
+
+
+def _plain(action: Move | Decide) -> dict[str, int]:
+    """Return an action as entries keep it."""
+    match action:
+        case Move(viewpoint):
+            return {"move": viewpoint}
+        case Decide(label):
+            return {"decide": label}

@@ -11,7 +11,6 @@ from enum import StrEnum
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, get_args
 
-from beltsort._core import Decide, Move
 from beltsort.sorting.command import Command
 from beltsort.sorting.rules import Seen
 
@@ -302,15 +301,6 @@ AnyContent: TypeAlias = (
     | Snapshot
     | Ended
 )
-
-
-def plain_action(action: Move | Decide) -> dict[str, int]:
-    """Return an action as entries keep it."""
-    match action:
-        case Move(viewpoint):
-            return {"move": viewpoint}
-        case Decide(label):
-            return {"decide": label}
 
 
 def plain(content: AnyContent) -> dict[str, Any]:
