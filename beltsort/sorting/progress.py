@@ -308,9 +308,11 @@ class Progress:
         return Snapshot(
             **{name: getattr(self, name) for name in _KEPT},
             model=self.model.to_json(),
+            passed=list(self.passed),
             belief=self.belief.probabilities.tolist(),
             last_labels=self.belief.last_labels.tolist(),
             owed=self.owed.value,
+            visible=[replace(seen) for seen in self.visible],
             told=None if self.told is None else self.told.value,
             drift=self.drift.snapshot(),
         )
@@ -329,6 +331,6 @@ class Progress:
 
 _KEPT = (
     *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived", "steps", "commands"),
-    *("glances", "strays", "stopped", "bin", "passed", "pending", "visible"),
+    *("glances", "strays", "stopped", "bin", "pending"),
 )
 """What a snapshot keeps under its own name."""
