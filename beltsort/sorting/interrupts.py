@@ -2,7 +2,7 @@
 
 import signal
 from collections.abc import Callable
-from types import FrameType
+from types import FrameType, TracebackType
 from typing import Any, Self, TypeAlias
 
 Handler: TypeAlias = Callable[[int, FrameType | None], Any] | int | signal.Handlers
@@ -56,10 +56,14 @@ class Interrupts:
                 signal.signal(number, self._handle)
         return self
 
-    def __exit__(self, *_: object) -> None:
-        """Handle them as before."""
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Handle them as before. What a library has made another error of was an interrupt all the same."""
         for number, before in self._before.items():
             signal.signal(number, before)
+        if self._received is not None and isinstance(error, Exception):
+            raise Interrupted(self._received) from error
 
     def _handle(self, number: int, _frame: FrameType | None) -> None:
         first, self._received = self._received is None, signal.Signals(number)
