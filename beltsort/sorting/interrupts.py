@@ -5,6 +5,8 @@ from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Any, Self, TypeAlias
 
+from beltsort.errors import CellError, JournalError
+
 Handler: TypeAlias = Callable[[int, FrameType | None], Any] | int | signal.Handlers
 """Of a signal, as `signal.getsignal` returns it."""
 
@@ -59,10 +61,14 @@ class Interrupts:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Handle them as before. What a library has made another error of was an interrupt all the same."""
+        """Handle them as before; what a library has made another error of was an interrupt all the same.
+
+        What cell and journal say of themselves stays: somebody must learn of it.
+        """
         for number, before in self._before.items():
             signal.signal(number, before)
-        if self._received is not None and isinstance(error, Exception):
+        told = isinstance(error, CellError | JournalError)
+        if self._received is not None and isinstance(error, Exception) and not told:
             raise Interrupted(self._received) from error
 
     def _handle(self, number: int, _frame: FrameType | None) -> None:
