@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr
 
 from beltsort.cell.placement import Placement
-from beltsort.cellfile.problems import CellFileError, Problem
+from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.sections import (
     ArmSection,
     BeltSection,
@@ -24,12 +24,14 @@ from beltsort.cellfile.sections import (
     Timeouts,
     Viewpoint,
 )
-from beltsort.cellfile.validation import OWN_CHECKS, Section, validated
+from beltsort.cellfile.validation import Section, validated
 from beltsort.errors import ViewpointError
 from beltsort.geometry import BeltLayout
 from beltsort.perception.config import PerceptionConfig
 from beltsort.sorting.rules import Drift, Rules
 from beltsort.util.naming import nearest_of
+from beltsort.util.problems import Problem
+from beltsort.util.validation import OWN_CHECKS
 
 VERSION = 1
 

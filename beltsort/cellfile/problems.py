@@ -1,24 +1,9 @@
 """What is wrong with a cell file."""
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
 
 from beltsort.errors import CellError
-
-
-class Problem(NamedTuple):
-    """One thing that is wrong.
-
-    Attributes
-    ----------
-    where
-        Table and key, `belt.spacing`; empty for the file as a whole.
-    what
-        What was found, what is expected, what to do.
-    """
-
-    where: str
-    what: str
+from beltsort.util.problems import Problem, listed
 
 
 class CellFileError(CellError):
@@ -31,7 +16,7 @@ class CellFileError(CellError):
     """
 
     def __init__(self, problems: Sequence[Problem]) -> None:
-        super().__init__("\n".join(f"{where}: {what}" if where else what for where, what in problems))
+        super().__init__(listed(problems))
         self.problems = tuple(problems)
 
     @classmethod

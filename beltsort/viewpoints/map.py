@@ -1,10 +1,9 @@
 """The sampled half-sphere, its neighbour graph and the chosen viewpoints: what cell and model share."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from os import PathLike
-from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,17 +11,11 @@ from numpy.typing import NDArray
 from beltsort import BeltsortError
 from beltsort.errors import ViewpointError
 from beltsort.geometry import Points, SphereViewpoint, direction_of
-from beltsort.viewpoints.file import (
-    GRAPH_KEYS,
-    OWN_KEYS,
-    SAMPLING_KEYS,
-    check_repeated,
-    parts_of,
-    read_plain,
-    text_of,
-)
 from beltsort.viewpoints.graph import Edges, components, steps_from
 from beltsort.viewpoints.sphere import Sampling
+
+if TYPE_CHECKING:
+    from beltsort.viewpoints.file import ViewpointFile
 
 OFF_SPHERE = 1e-6  # metres
 LISTED = 8
@@ -124,7 +117,7 @@ class ViewpointMap:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write it to a JSON file; an existing one is replaced."""
-        Path(path).write_text(text_of(_plain(self)))
+        self._file().write(path)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -135,34 +128,51 @@ class ViewpointMap:
         ViewpointError
             If the file cannot be read, has unknown keys, or what it says contradicts itself.
         """
+        from beltsort.viewpoints.file import ViewpointFile
+
         try:
-            given = read_plain(Path(path))
-            views = cls(**parts_of(given))
-            check_repeated(given, _plain(views))
+            file = ViewpointFile.read(path)
+            graph = file.graph
+            views = cls(
+                points=np.array(graph.points, dtype=np.float64).reshape(-1, 3),
+                reachable=np.array(graph.reachable, dtype=np.bool_),
+                edges=np.array(graph.edges, dtype=np.int64).reshape(-1, 2),
+                chosen=tuple(viewpoint.point for viewpoint in file.viewpoints),
+                names=tuple(viewpoint.name for viewpoint in file.viewpoints),
+                sampling=Sampling(**file.sampling.model_dump()),
+                lowest=file.lowest,
+                note=file.note,
+                neighbours_only=file.neighbours_only,
+            )
+            file.check_against(views._file())
         except BeltsortError as reason:
             raise ViewpointError(f"{path}: {reason}") from reason
         return views
 
+    def _file(self) -> "ViewpointFile":
+        """Return the content of its file."""
+        from beltsort.viewpoints.file import GraphEntry, SamplingEntry, ViewpointEntry, ViewpointFile
 
-def _plain(views: ViewpointMap) -> dict[str, Any]:
-    """Return a map as plain data."""
-    viewpoints = [
-        {
-            "name": viewpoint.name,
-            "point": index,
-            "position": views.points[index].tolist(),
-            "world_from_camera": viewpoint.pose().tolist(),
-        }
-        for viewpoint, index in zip(views.viewpoints, views.chosen, strict=True)
-    ]
-    return {
-        "viewpoints": viewpoints,
-        "motion_cost": views.motion_cost.tolist(),
-        "travel": views.travel,
-        "sampling": {key: getattr(views.sampling, key) for key in SAMPLING_KEYS},
-        **{key: getattr(views, key) for key in OWN_KEYS},
-        "graph": {key: getattr(views, key).tolist() for key in GRAPH_KEYS},
-    }
+        return ViewpointFile(
+            viewpoints=[
+                ViewpointEntry(
+                    name=viewpoint.name,
+                    point=index,
+                    position=self.points[index].tolist(),
+                    world_from_camera=viewpoint.pose().tolist(),
+                )
+                for viewpoint, index in zip(self.viewpoints, self.chosen, strict=True)
+            ],
+            motion_cost=self.motion_cost.tolist(),
+            travel=self.travel,
+            sampling=SamplingEntry(**asdict(self.sampling)),
+            lowest=self.lowest,
+            note=self.note,
+            neighbours_only=self.neighbours_only,
+            graph=GraphEntry(
+                points=self.points.tolist(), reachable=self.reachable.tolist(), edges=self.edges.tolist()
+            ),
+        )
 
 
 def _check_map(views: ViewpointMap) -> None:
