@@ -1,60 +1,69 @@
 """The file of a sweep, read and checked."""
 
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, Field
 
 from beltsort.errors import SweepError
-from beltsort.util.naming import nearest_of
+from beltsort.util.problems import Problem, listed
+from beltsort.util.validation import StrictModel, validated
 
 Count = Annotated[int, Field(ge=1)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
 
-def _counted(seeds: Any) -> Any:
-    """Write a number of seeds as the seeds from 0 on."""
-    return list(range(seeds)) if type(seeds) is int else seeds
+def _seeds(given: object) -> object:
+    """Return the list of seeds that the number of them stands for."""
+    return list(range(given)) if type(given) is int else given
 
 
-Seeds = Annotated[list[Seed], Field(min_length=1), BeforeValidator(_counted)]
+Seeds = Annotated[list[Seed], Field(min_length=1), BeforeValidator(_seeds)]
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-class Tables(_Strict):
+class Tables(StrictModel):
     """What one row simulates at level `tables`: as of `beltsort.evaluate`."""
 
     batches: Count = 1000
+    """Number of simulated batches."""
     batch_size: Count = 10
+    """Decisions in a batch."""
     true_classes: list[str] | None = None
+    """Classes to draw objects from uniformly; the arrival prior if missing."""
 
 
-class Scans(_Strict):
-    """What one row simulates at level `scans`: a run of so many objects, with a classifier trained on others.
-
-    `drawn_from` are the classes of the objects, all if missing.
-    """
+class Scans(StrictModel):
+    """What one row simulates at level `scans`: a run with a classifier trained on other objects."""
 
     objects: Count = 10
+    """Objects of a run."""
     drawn_from: list[str] | None = None
+    """Classes to draw them from uniformly; all if missing."""
     training_objects: Count = 40
+    """Objects per class, viewpoint and position that the classifier is trained on."""
     table_objects: Count = 100
+    """Independent objects per row of the observation tables."""
 
 
-class SweepFile(_Strict):
+class SweepFile(StrictModel):
     """The whole file; `docs/sweep.md` describes it."""
 
     level: Literal["tables", "scans"] = "tables"
-    seeds: Seeds = [0]
-    model: dict[str, Any] = {}
-    planner: dict[str, Any] = {}
-    cell: dict[str, Any] = {}
+    """Where labels come from: drawn from the tables, or scans of the simulated cell."""
+    seeds: Seeds = Field(default_factory=lambda: [0])
+    """Seeds, or how many of them."""
+    model: dict[str, Any] = Field(default_factory=dict)
+    """Parameters of the model, each a value or a list of values."""
+    planner: dict[str, Any] = Field(default_factory=dict)
+    """Policies, and parameters of `despot`."""
+    cell: dict[str, Any] = Field(default_factory=dict)
+    """Parameters of the simulated cell."""
     tables: Tables = Tables()
+    """What one row simulates at level `tables`."""
     scans: Scans = Scans()
+    """What one row simulates at level `scans`."""
 
 
 def read_sweep(path: Path) -> SweepFile:
@@ -71,23 +80,8 @@ def read_sweep(path: Path) -> SweepFile:
         raise SweepError(
             f"the sweep {path} cannot be read: {reason}; expected a TOML file, see docs/sweep.md"
         ) from reason
-    try:
-        return SweepFile.model_validate(content)
-    except ValidationError as error:
-        raise SweepError(f"the sweep {path}: {'; '.join(_complaints(error))}") from None
 
+    def error(problems: Sequence[Problem]) -> SweepError:
+        return SweepError(f"the sweep {path}: {listed(problems)}")
 
-def _complaints(error: ValidationError) -> list[str]:
-    """Say what is wrong where, and which key was probably meant."""
-    return [
-        _unknown(*map(str, wrong["loc"]))
-        if wrong["type"] == "extra_forbidden"
-        else f"{'.'.join(map(str, wrong['loc']))} is {wrong['input']!r}: {wrong['msg']}"
-        for wrong in error.errors()
-    ]
-
-
-def _unknown(*where: str) -> str:
-    sections: dict[str, type[BaseModel]] = {"tables": Tables, "scans": Scans}
-    known = sections.get(where[0], SweepFile).model_fields
-    return f"there is no key {'.'.join(where)!r}; {nearest_of(where[-1], list(known))}"
+    return validated(SweepFile, content, error)

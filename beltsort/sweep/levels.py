@@ -1,12 +1,11 @@
 """What one point simulates: labels drawn from tables, or whole scans."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
 
 import beltsort
 from beltsort import Policy, SortingModel
@@ -17,6 +16,8 @@ from beltsort.sim.prepare import Prepared, Recipe, StageProgress, prepare
 from beltsort.sweep.grid import inputs_of, seeds_of
 from beltsort.sweep.parameters import nested, section_of
 from beltsort.util.naming import index_of
+from beltsort.util.problems import Problem, listed
+from beltsort.util.validation import validated
 
 Point = Mapping[str, Any]
 METRICS = ("steps", "correct", "returns", "discounted_returns")
@@ -102,12 +103,11 @@ def config_of(point: Point) -> CellConfig:
     SweepError
         If a value is of another kind than the parameter.
     """
-    try:
-        return TypeAdapter(CellConfig).validate_python(nested(section_of(point, "cell")))
-    except ValidationError as error:
-        wrong = error.errors()[0]
-        name = ".".join(str(part) for part in wrong["loc"])
-        raise SweepError(f"cell.{name} is {wrong['input']!r}: {wrong['msg']}; correct the sweep") from None
+
+    def error(problems: Sequence[Problem]) -> SweepError:
+        return SweepError(listed([Problem(f"cell.{where}", what) for where, what in problems]))
+
+    return validated(CellConfig, nested(section_of(point, "cell")), error)
 
 
 def prepared_for(point: Point, progress: StageProgress | None = None) -> Prepared:

@@ -68,15 +68,15 @@ def test_files_are_sought_beside_the_sweep_and_belong_to_the_point(tmp_path: Pat
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("levle = 'tables'", r"sweep\.toml\b.*'levle'.*'level'.*\blevel, seeds, model, "),
+        ("levle = 'tables'", r"sweep\.toml: levle: .*\bunknown\b.*'level'.*\blevel, seeds, model, "),
         (
             f"{MODEL}{PLANNER}[tables]\nbatchs = 1",
-            r"'tables\.batchs'.*'batches'.*\bbatch_size, true_classes\b",
+            r"tables\.batchs: .*\bunknown\b.*'batches'.*\bbatch_size, true_classes\b",
         ),
         (f"{MODEL}r_mni = [1]\n{PLANNER}", r"'model\.r_mni'.*'model\.r_min'"),
         ("level = 'scans'\n[cell.arm]\nangel = 1.0", r"'cell\.arm\.angel'.*'cell\.arm\.angle'"),
         ("seeds = 0", r"\bseeds\b.*\[\].*\b1\b"),
-        ("seeds = [-1]", r"\bseeds\.0\b.*-1\b.*\b0\b"),
+        ("seeds = [-1]", r"\bseeds\[0\]: .*-1\b.*\b0\b"),
         (f"{MODEL}r_min = []\n{PLANNER}", r"^model\.r_min\b.*\bvalues\b"),
         (MODEL, r'\bpolicy\b.*\[planner\] policy = \["one-object"\]'),
         (
@@ -92,7 +92,7 @@ def test_files_are_sought_beside_the_sweep_and_belong_to_the_point(tmp_path: Pat
         (PLANNER, r'\[model\] file = "model\.json"'),
         (f'[model]\nfile = "none.json"\n{PLANNER}', r"none\.json\b.*No such file"),
         (f"{MODEL}{PLANNER}[cell]\nupstream = 2", r'cell\.upstream\b.*level = "scans"'),
-        (f"level = 'scans'\n{PLANNER}[cell]\nupstream = 'two'", r"cell\.upstream .*'two'.*\binteger\b"),
+        (f"level = 'scans'\n{PLANNER}[cell]\nupstream = 'two'", r"cell\.upstream: .*'two'.*\binteger\b"),
         ("model = [", r"sweep\.toml\b.*\bTOML\b"),
     ],
 )
