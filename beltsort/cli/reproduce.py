@@ -40,7 +40,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Run, write and print the findings."""
+    """Run, write and print which claims hold."""
     from beltsort.paper import FULL, QUICK, reproduce
     from beltsort.sim.demo import check_seed
     from beltsort.sim.prepare import prepare
@@ -78,17 +78,17 @@ def as_json(done: "Reproduction", arguments: Namespace) -> dict[str, Any]:
         "tables": [str(path) for path in done.tables],
         "figures": [picture.name for picture in done.pictures],
         "seconds": {name: round(value, 1) for name, value in done.results.seconds.items()},
-        "findings": [finding.plain() for finding in done.results.findings()],
+        "findings": [result.plain() for result in done.results.claims()],
     }
 
 
 def show_text(done: "Reproduction") -> None:
-    """Print the findings, by condition."""
+    """Print which claims hold, by condition."""
     where = ""
-    for finding in done.results.findings():
-        if finding.where != where:
-            where = finding.where
+    for result in done.results.claims():
+        if result.where != where:
+            where = result.where
             print(f"\n{where}")
-        print_table([[f"{finding.verdict}:", finding.claim]])
-        print(f"    {finding.text}")
+        print_table([[f"{result.conclusion}:", result.claim]])
+        print(f"    {result.text}")
     tell(f"written: {done.report}, {len(done.tables)} tables, {len(done.pictures)} figures")

@@ -1,8 +1,8 @@
 """The paper's experiments, by one call or piece by piece.
 
 `reproduce` runs everything and writes a folder. In a notebook the pieces are there too: `run_experiments`
-gives rows with one number per batch, `plain_table` makes means and standard errors of them, each figure is a
-function that returns a matplotlib figure, and `all_findings` says which claims hold.
+returns rows with one number per batch, `plain_table` their means and standard errors, each figure is a
+function that returns a matplotlib figure, and `all_claims` returns which claims hold.
 
 References
 ----------
@@ -21,24 +21,25 @@ One point of Fig. 5, with labels drawn from the paper's tables:
 ('DESPOT', 5.0, True)
 """
 
-from beltsort.paper.beyond_figures import beyond_figure, bounds_figure
-from beltsort.paper.claims import claims
-from beltsort.paper.clouds_figure import clouds_figure
-from beltsort.paper.curves import accuracy_figure, one_against_two_figure, steps_figure
+from beltsort.paper.claims import all_claims, claims
+from beltsort.paper.curves import (
+    accuracy_figure,
+    beyond_figure,
+    bounds_figure,
+    one_against_two_figure,
+    steps_figure,
+)
 from beltsort.paper.design import FULL, QUICK, Design
 from beltsort.paper.figures import single_position_run
-from beltsort.paper.findings import all_findings
 from beltsort.paper.instances import FOUR, OBJECTS, PAPER, TWO, Instance, Objects
 from beltsort.paper.labels import label_point, label_points, simulate_labels
 from beltsort.paper.optimum import bound_optimum, losses_table
 from beltsort.paper.outcomes import only, plain_table, select
-from beltsort.paper.propagation import propagated, propagation_figure
 from beltsort.paper.reproduction import Reproduction, reproduce
 from beltsort.paper.run import Results, cell_of, run_experiments
 from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
-from beltsort.paper.sphere import reached_sphere
-from beltsort.paper.statistics import Estimate, difference, mean, saving, slope
-from beltsort.paper.verdicts import Finding, Verdict
+from beltsort.paper.setup_figures import clouds_figure, propagated, propagation_figure, reached_sphere
+from beltsort.paper.statistics import ClaimResult, Conclusion, Estimate, difference, mean, saving, slope
 
 __all__ = [
     "FOUR",
@@ -47,17 +48,17 @@ __all__ = [
     "PAPER",
     "QUICK",
     "TWO",
+    "ClaimResult",
+    "Conclusion",
     "Design",
     "Estimate",
-    "Finding",
     "Instance",
     "Objects",
     "PreparedCell",
     "Reproduction",
     "Results",
-    "Verdict",
     "accuracy_figure",
-    "all_findings",
+    "all_claims",
     "beyond_figure",
     "bound_optimum",
     "bounds_figure",

@@ -1,4 +1,4 @@
-"""The paper's claims, held against the rows of one condition.
+"""The paper's claims and further ones, each tested on the rows of one condition.
 
 References
 ----------
@@ -9,11 +9,15 @@ model", European Control Conference 2019, section on results.
 import math
 from collections.abc import Sequence
 
+from beltsort.paper.beyond import beyond_claims
+from beltsort.paper.instances import FOUR, OBJECTS, TWO
+from beltsort.paper.labels import LEVEL as LABELS
+from beltsort.paper.labels import STUDY
 from beltsort.paper.outcomes import Row, only, select
-from beltsort.paper.policies import DESPOT
+from beltsort.paper.policies import DESPOT, OPTIMUM, THRESHOLD
 from beltsort.paper.printed import R_MIN
-from beltsort.paper.statistics import Estimate, difference, saving, slope
-from beltsort.paper.verdicts import Finding, in_words, verdict
+from beltsort.paper.scans import LEVEL as SCANS
+from beltsort.paper.statistics import ClaimResult, conclude, difference, mean, saving, slope, unpaired
 
 WANTED_SAVING = 0.10
 """Share of the steps that two positions should save."""
@@ -22,9 +26,48 @@ TOLERATED = 0.1
 """Objects of ten by which accuracy may fall and still count as equal."""
 
 POSITIONS = {1: "one position", 2: "two positions"}
+TABLES = {"paper": "the paper's tables", "cell": "the simulated cell's tables"}
 
 
-def claims(rows: Sequence[Row], where: str, policy: str = DESPOT) -> list[Finding]:
+def all_claims(rows: Sequence[Row], beyond: Sequence[Row], optimum: Sequence[Row]) -> list[ClaimResult]:
+    """Return what all rows say of all claims, the main one first.
+
+    Parameters
+    ----------
+    rows
+        Of tables and scans, the optimum's included.
+    beyond
+        Of the further studies.
+    optimum
+        From `bound_optimum`.
+    """
+    return [
+        *(result for where, shown in conditions(rows) for result in claims(shown, where)),
+        _optimum(rows, optimum),
+        *(_planning(row) for row in optimum),
+        *_levels(rows),
+        *beyond_claims(beyond),
+    ]
+
+
+def conditions(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
+    """Return the name and the rows of each condition; that of the main claim comes first."""
+    groups: dict[tuple[str, str, str, float], list[Row]] = {}
+    for row in select(rows, study=STUDY):
+        key = (row["level"], row["instance"], row["objects"], row["discount"])
+        groups.setdefault(key, []).append(row)
+    order = {(LABELS, "paper", FOUR.name): 0, (LABELS, "paper", TWO.name): 1}
+    keys = sorted(groups, key=lambda key: (order.get(key[:3], 2), key[0] == SCANS, abs(key[3] - 0.95)))
+    return [(condition_name(*key), groups[key]) for key in keys]
+
+
+def condition_name(level: str, instance: str, objects: str, discount: float) -> str:
+    """Return a condition in words."""
+    source = TABLES[instance] if level == LABELS else "the simulated cell"
+    return f"{level} ({source}), {objects}, discount {discount:g}"
+
+
+def claims(rows: Sequence[Row], where: str, policy: str = DESPOT) -> list[ClaimResult]:
     """Return what the rows of one condition say of the paper's claims.
 
     Parameters
@@ -37,59 +80,107 @@ def claims(rows: Sequence[Row], where: str, policy: str = DESPOT) -> list[Findin
         Whose rows.
     """
     one, two = (only(rows, policy=policy, positions=n, r_min=R_MIN) for n in POSITIONS)
-    return [
-        *_fewer_steps(one, two, where),
-        _equal_accuracy(one, two, where),
-        *(
-            _grows(select(rows, policy=policy, positions=n), outcome, name, where, words)
-            for n, words in POSITIONS.items()
-            for outcome, name in (("positives", "accuracy"), ("steps", "steps"))
-        ),
-    ]
-
-
-def _fewer_steps(one: Row, two: Row, where: str) -> list[Finding]:
     saved = saving(two["steps"], one["steps"])
-    said = f"At r_min = {R_MIN:g}, two positions save {in_words(saved, ' %', factor=100)} of the steps"
-    means = f": {_mean(two)} instead of {_mean(one)} for ten objects."
+    saves = f"At r_min = {R_MIN:g}, two positions save {saved.in_words(' %', factor=100)} of the steps"
+    with_one, with_two = (mean(row["steps"]).value for row in (one, two))
+    gained = difference(two["positives"], one["positives"])
     return [
-        Finding("two positions need fewer steps", where, verdict(saved, above=0.0), saved, f"{said}{means}"),
-        Finding(
+        ClaimResult(
+            "two positions need fewer steps",
+            where,
+            conclude(saved, above=0.0),
+            saved,
+            f"{saves}: {with_two:.1f} instead of {with_one:.1f} for ten objects.",
+        ),
+        ClaimResult(
             f"two positions save at least {100 * WANTED_SAVING:.0f} % of the steps",
             where,
-            verdict(saved, above=WANTED_SAVING),
+            conclude(saved, above=WANTED_SAVING),
             saved,
-            f"{said}.",
+            f"{saves}.",
+        ),
+        ClaimResult(
+            "equal accuracy with two positions",
+            where,
+            conclude(gained, above=-TOLERATED),
+            gained,
+            f"At r_min = {R_MIN:g}, two positions change the right decisions of ten by "
+            f"{gained.in_words(digits=2)}; a loss below {TOLERATED:g} counts as equal.",
+        ),
+        *(
+            _growth(select(rows, policy=policy, positions=n), outcome, where, words)
+            for n, words in POSITIONS.items()
+            for outcome in ("positives", "steps")
         ),
     ]
 
 
-def _mean(row: Row) -> str:
-    return f"{sum(row['steps']) / len(row['steps']):.1f}"
-
-
-def _equal_accuracy(one: Row, two: Row, where: str) -> Finding:
-    gained = difference(two["positives"], one["positives"])
-    text = (
-        f"At r_min = {R_MIN:g}, two positions change the right decisions of ten by "
-        f"{in_words(gained, digits=2)}; a loss below {TOLERATED:g} counts as equal."
-    )
-    return Finding("equal accuracy with two positions", where, verdict(gained, -TOLERATED), gained, text)
-
-
-def _grows(rows: Sequence[Row], outcome: str, name: str, where: str, positions: str) -> Finding:
-    growth = growth_per_decade(rows, outcome)
-    text = f"With {positions}, {name} grow{'s' * (name == 'accuracy')} by {in_words(growth, digits=2)} "
-    unit = "right decisions of ten" if outcome == "positives" else "steps"
-    return Finding(
-        f"{name} grow{'s' * (name == 'accuracy')} with r_min, {positions}",
+def _growth(rows: Sequence[Row], outcome: str, where: str, positions: str) -> ClaimResult:
+    """Test whether an outcome grows with r_min, by its slope over the decades of r_min."""
+    growth = slope([math.log10(row["r_min"]) for row in rows], [row[outcome] for row in rows])
+    grows, unit = {
+        "positives": ("accuracy grows", "right decisions of ten"),
+        "steps": ("steps grow", "steps"),
+    }[outcome]
+    return ClaimResult(
+        f"{grows} with r_min, {positions}",
         where,
-        verdict(growth, above=0.0),
+        conclude(growth, above=0.0),
         growth,
-        f"{text}{unit} for each tenfold r_min.",
+        f"With {positions}, {grows} by {growth.in_words(digits=2)} {unit} for each tenfold r_min.",
     )
 
 
-def growth_per_decade(rows: Sequence[Row], outcome: str) -> Estimate:
-    """Return by how much an outcome grows for each tenfold r_min."""
-    return slope([math.log10(row["r_min"]) for row in rows], [row[outcome] for row in rows])
+def _optimum(rows: Sequence[Row], optimum: Sequence[Row]) -> ClaimResult:
+    """Compare the steps of the offline solutions with one and with two positions."""
+    wanted = {"policy": OPTIMUM, "objects": FOUR.name, "r_min": R_MIN}
+    one, two = (only(rows, positions=n, **wanted) for n in (1, 2))
+    saved = saving(two["steps"], one["steps"])
+    where = condition_name(LABELS, "paper", FOUR.name, one["discount"])
+    bounds = [
+        f"{row['lower']:.2f} to {row['upper']:.2f} with {row['positions']} position"
+        + "s" * (row["positions"] > 1)
+        for row in select(optimum, r_min=R_MIN)
+    ]
+    text = (
+        f"The best possible value at r_min = {R_MIN:g} is certified to be {', '.join(bounds)}; acting by the "
+        f"solutions, two positions save {saved.in_words(' %', factor=100)} of the steps."
+    )
+    return ClaimResult("even the best policy needs fewer steps", where, conclude(saved, 0.0), saved, text)
+
+
+def _planning(row: Row) -> ClaimResult:
+    """Compare what the actions of DESPOT and of the threshold policy lose against the best ones."""
+    planned, simple = (row["losses"][policy] for policy in (DESPOT, THRESHOLD))
+    gained = difference(simple, planned)
+    text = (
+        f"At r_min = {row['r_min']:g}, positions seen: {row['positions']}, a batch of DESPOT's actions loses "
+        f"{mean(planned).value:.3f} against the best ones (discounted reward), the threshold policy tuned on "
+        f"other seeds {mean(simple).value:.3f}; planning gains {gained.in_words(digits=3)}."
+    )
+    claim = f"planning beats a tuned threshold, r_min = {row['r_min']:g}, positions: {row['positions']}"
+    where = condition_name(LABELS, "paper", FOUR.name, row["discount"])
+    return ClaimResult(claim, where, conclude(gained, 0.0), gained, text)
+
+
+def _levels(rows: Sequence[Row]) -> list[ClaimResult]:
+    """Compare depth scans with labels drawn from the tables that were estimated on the same cell."""
+    found = []
+    for objects in OBJECTS:
+        for positions in (1, 2):
+            wanted = {
+                "instance": "cell", "objects": objects.name, "policy": DESPOT,
+                "positions": positions, "r_min": R_MIN,
+            }  # fmt: skip
+            scans, labels = (only(rows, level=level, **wanted) for level in (SCANS, LABELS))
+            gained = unpaired(scans["positives"], labels["positives"])
+            text = (
+                f"At r_min = {R_MIN:g}, positions seen: {positions}, sorting from depth scans makes "
+                f"{mean(scans['positives']).value:.2f} right decisions of ten, labels drawn from its tables "
+                f"{mean(labels['positives']).value:.2f}: a difference of {gained.in_words(digits=2)}. "
+                "Repeated scans of one object are not independent, as the model takes them to be."
+            )
+            where = condition_name(SCANS, "cell", objects.name, scans["discount"])
+            claim = f"scans sort as well as the tables say, positions: {positions}"
+            found.append(ClaimResult(claim, where, conclude(gained, -TOLERATED), gained, text))
+    return found

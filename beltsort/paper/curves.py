@@ -1,19 +1,22 @@
-"""Positives, negatives and steps against the penalty of a wrong decision: the paper's Fig. 4 to 7."""
+"""The paper's Fig. 4 to 7, outcomes against the penalty of a wrong decision, and figures beyond the paper."""
 
 from collections.abc import Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
 from beltsort.paper import printed
+from beltsort.paper.beyond import BONUS, POSITIONS, STUDIES
 from beltsort.paper.instances import OBJECTS, TWO
 from beltsort.paper.labels import LEVEL as LABELS
 from beltsort.paper.labels import STUDY
 from beltsort.paper.outcomes import Row, select
-from beltsort.paper.policies import DESPOT, INFORMATION_GAIN, OPTIMUM, THRESHOLD
+from beltsort.paper.policies import DESPOT, INFORMATION_GAIN, OPTIMUM, POLICIES, THRESHOLD
 from beltsort.paper.scans import LEVEL as SCANS
+from beltsort.paper.statistics import mean
 from beltsort.paper.style import (
     ERROR_BARS,
     PRINTED,
+    curve,
     new_figure,
     penalty_axis,
     penalty_curve,
@@ -35,6 +38,9 @@ TICKS = (5.0, 20.0, 50.0, 200.0, 500.0)
 DECISIONS = (("positives", "right", True), ("negatives", "wrong", False))
 OF_TEN = "objects of ten"
 WORDS = {1: "one position", 2: "two positions"}
+LOSS_FLOOR = 1e-3  # smaller losses are drawn here: the axis is logarithmic
+VARIED = "as many positions as the axis says"
+BEYOND = (("steps", "steps for ten objects"), ("positives", "right decisions of ten"))
 
 
 def accuracy_figure(rows: Sequence[Row], positions: int, discount: float) -> "Figure":
@@ -57,7 +63,7 @@ def accuracy_figure(rows: Sequence[Row], positions: int, discount: float) -> "Fi
                 look = style(number, filled=filled)
                 penalty_curve(panel, found, outcome, number - 1.5, label=f"{policy}, {name}", **look)
         if is_paper:
-            panel.plot(*_points(printed.POSITIVES), label="paper's robot, right", **PRINTED)
+            panel.plot(*_columns(printed.POSITIVES), label="paper's robot, right", **PRINTED)
         panel.set(ylim=(-0.5, 10.5), ylabel=OF_TEN)
     figure.suptitle(f"Right and wrong decisions, {WORDS[positions]}, discount {discount:g}; {ERROR_BARS}")
     shared_legend(figure, panels.ravel(), 5)
@@ -66,11 +72,22 @@ def accuracy_figure(rows: Sequence[Row], positions: int, discount: float) -> "Fi
 
 def steps_figure(rows: Sequence[Row], discount: float) -> "Figure":
     """Draw total steps for ten objects against r_min, one position against two: Fig. 6."""
+    lines = list(product(enumerate(SHOWN), WORDS))
     figure, panels = new_figure(len(OBJECTS), len(SOURCES))
     for panel, shown, is_paper in _panels(panels, rows, discount):
-        _steps(panel, shown)
+        for place, ((number, policy), positions) in enumerate(lines):
+            if found := select(shown, policy=policy, positions=positions):
+                alone = positions == 1
+                look = style(number, filled=alone) | {"linestyle": "-" if alone else "--"}
+                aside = place - 0.5 * (len(lines) - 1)
+                penalty_curve(panel, found, "steps", aside, label=f"{policy}, {WORDS[positions]}", **look)
         if is_paper:
-            _printed_steps(panel)
+            label = "paper's robot, by $r_\\mathrm{min}$"
+            panel.plot(*_columns(printed.STEPS), label=label, **PRINTED)
+            for positions, marker in ((1, "P"), (2, "X")):
+                look = PRINTED | {"marker": marker, "markersize": 8}
+                steps = printed.STEPS_BY_POSITIONS[positions]
+                panel.plot([printed.R_MIN], [steps], label=f"paper's robot, {WORDS[positions]}", **look)
         panel.set(ylabel="steps for ten objects", ylim=(0.0, None))
     figure.suptitle(f"Steps to sort ten objects, discount {discount:g}; {ERROR_BARS}")
     shared_legend(figure, panels.ravel())
@@ -94,6 +111,61 @@ def one_against_two_figure(rows: Sequence[Row], discount: float) -> "Figure":
     return figure
 
 
+def bounds_figure(optimum: Sequence[Row]) -> "Figure":
+    """Draw the certified bounds of the optimum, and what each policy's actions lose against it.
+
+    Parameters
+    ----------
+    optimum
+        From `beltsort.paper.optimum.bound_optimum`.
+    """
+    figure, panels = new_figure(2, len(WORDS), (4.6, 2.9))
+    for (value, loss), positions in zip(panels.T, WORDS, strict=True):
+        rows = select(optimum, positions=positions)
+        x = [row["r_min"] for row in rows]
+        lower, upper = ([row[end] for row in rows] for end in ("lower", "upper"))
+        value.fill_between(x, lower, upper, color="0.75", label="certified bounds of the optimum")
+        value.plot(x, lower, color="black", linewidth=1.0, marker="_", label="lower bound: a policy's value")
+        value.set(ylabel="value (discounted reward)", title=WORDS[positions])
+        for number, policy in enumerate(POLICIES):
+            losses = [mean(row["losses"][policy]) for row in rows]
+            means = [max(estimate.value, LOSS_FLOOR) for estimate in losses]
+            errors = [estimate.interval[1] - estimate.value for estimate in losses]
+            loss.errorbar(x, means, yerr=errors, label=policy, **style(number))
+        loss.set(yscale="log", ylabel=f"loss per batch ({LOSS_FLOOR:g}: or less)")
+        penalty_axis(value, TICKS)
+        penalty_axis(loss, TICKS)
+    figure.suptitle("Bounds of the best possible value, and loss against the upper bound (paper's tables)")
+    shared_legend(figure, panels.ravel(), 3)
+    return figure
+
+
+def beyond_figure(rows: Sequence[Row]) -> "Figure":
+    """Draw steps and right decisions for each further study, a column per study."""
+    figure, panels = new_figure(len(BEYOND), len(STUDIES))
+    names = (*WORDS.values(), VARIED)
+    for (study, axis), column in zip(STUDIES.items(), panels.T, strict=True):
+        lines: dict[str, list[Row]] = {}
+        for row in sorted(select(rows, study=study), key=lambda row: float(row["setting"])):
+            name = VARIED if study == POSITIONS else WORDS[row["positions"]]
+            lines.setdefault(name, []).append(row)
+        settings = sorted({row["setting"] for line in lines.values() for row in line})
+        for panel, (outcome, title) in zip(column, BEYOND, strict=True):
+            for name, line in lines.items():
+                x = [row["setting"] for row in line]
+                curve(panel, x, line, outcome, label=name, **style(names.index(name)))
+            panel.set(xlabel=axis, ylabel=title)
+            panel.grid(alpha=0.3)
+            if study == BONUS:
+                panel.set_xscale("symlog", linthresh=1.0)
+                panel.minorticks_off()
+            panel.set_xticks(settings, [f"{setting:g}" for setting in settings])
+        column[0].set_title(study)
+    figure.suptitle(f"Beyond the paper: DESPOT, $r_\\mathrm{{min}}$ = 50, paper's tables; {ERROR_BARS}")
+    shared_legend(figure, panels.ravel())
+    return figure
+
+
 def _panels(
     panels: "Sequence[Sequence[Axes]]", rows: Sequence[Row], discount: float
 ) -> "list[tuple[Axes, list[Row], bool]]":
@@ -108,24 +180,5 @@ def _panels(
     return found
 
 
-def _steps(panel: "Axes", shown: Sequence[Row]) -> None:
-    pairs = list(product(enumerate(SHOWN), WORDS))
-    for place, ((number, policy), positions) in enumerate(pairs):
-        found = select(shown, policy=policy, positions=positions)
-        if found:
-            alone = positions == 1
-            look = style(number, filled=alone) | {"linestyle": "-" if alone else "--"}
-            aside = place - 0.5 * (len(pairs) - 1)
-            penalty_curve(panel, found, "steps", aside, label=f"{policy}, {WORDS[positions]}", **look)
-
-
-def _printed_steps(panel: "Axes") -> None:
-    panel.plot(*_points(printed.STEPS), label="paper's robot, by $r_\\mathrm{min}$", **PRINTED)
-    for positions, marker in ((1, "P"), (2, "X")):
-        look = PRINTED | {"marker": marker, "markersize": 8}
-        steps = printed.STEPS_BY_POSITIONS[positions]
-        panel.plot([printed.R_MIN], [steps], label=f"paper's robot, {WORDS[positions]}", **look)
-
-
-def _points(numbers: dict[float, float]) -> tuple[list[float], list[float]]:
+def _columns(numbers: dict[float, float]) -> tuple[list[float], list[float]]:
     return list(numbers), list(numbers.values())

@@ -5,16 +5,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from beltsort.paper.beyond_figures import beyond_figure, bounds_figure
-from beltsort.paper.clouds_figure import clouds_figure
-from beltsort.paper.curves import accuracy_figure, one_against_two_figure, steps_figure
+from beltsort.paper.curves import (
+    accuracy_figure,
+    beyond_figure,
+    bounds_figure,
+    one_against_two_figure,
+    steps_figure,
+)
 from beltsort.paper.design import Design, Stream, seed_of
 from beltsort.paper.instances import PAPER
 from beltsort.paper.printed import R_MIN
-from beltsort.paper.propagation import propagation_figure
 from beltsort.paper.run import Results
 from beltsort.paper.scans import PreparedCell, scan_point, sort_batch
-from beltsort.paper.sphere import reached_sphere
+from beltsort.paper.setup_figures import clouds_figure, propagation_figure, reached_sphere
 from beltsort.paper.style import save_drawn, save_figure
 from beltsort.sim import CellConfig
 from beltsort.sorting.belief_figure import draw_belief

@@ -28,7 +28,7 @@ def write_tables(results: Results, counts: Counts, folder: Path) -> list[Path]:
         "printed.csv": printed_numbers(),
         "optimum.csv": losses_table(results.optimum),
         "optimum_play.csv": plain_table(results.optimum_play),
-        "findings.csv": [finding.plain() for finding in results.findings()],
+        "findings.csv": [result.plain() for result in results.claims()],
     }
     return [write_csv(folder / name, table) for name, table in tables.items()]
 

@@ -20,7 +20,7 @@ from beltsort.paper.outcomes import plain_table, select
 from beltsort.paper.policies import DESPOT
 from beltsort.paper.printed import R_MIN
 from beltsort.paper.run import Results
-from beltsort.paper.verdicts import Finding, Verdict
+from beltsort.paper.statistics import ClaimResult, Conclusion
 from beltsort.sim import CellConfig
 from beltsort.tables import Counts, table_one, table_two
 from beltsort.util.machine import processor_name, processors
@@ -96,47 +96,43 @@ def write_report(
         _table(printed_numbers()),
         "<h2>Bounds of the optimum, and losses against it</h2>",
         _table(losses_table(results.optimum)),
-        *findings_page(results.findings()),
+        *claims_section(results.claims()),
     ]
     path = folder / "report.html"
     path.write_text(_page("\n".join(body)), encoding="utf-8")
     return path
 
 
-def findings_page(findings: Sequence[Finding]) -> list[str]:
-    """Return the findings: how often each claim holds, then all in words, by condition."""
-    by_condition: dict[str, list[Finding]] = {}
-    for finding in findings:
-        by_condition.setdefault(finding.where, []).append(finding)
+def claims_section(results: Sequence[ClaimResult]) -> list[str]:
+    """Return in how many conditions each claim holds, then every result in words, by condition."""
+    by_condition: dict[str, list[ClaimResult]] = {}
+    for result in results:
+        by_condition.setdefault(result.where, []).append(result)
+    counts = [
+        {"claim": claim}
+        | {
+            str(conclusion): sum(r.claim == claim and r.conclusion == conclusion for r in results)
+            for conclusion in Conclusion
+        }
+        for claim in dict.fromkeys(result.claim for result in results)
+    ]
     lines = [
         "<h2 id='findings'>Findings</h2>",
         "<p>A claim <em>holds</em> if all of its 95 % confidence interval says so, <em>fails</em> if all of "
         "it says the opposite, and is <em>open</em> otherwise, or from fewer than ten batches. Differences "
         "are taken batch by batch on the same objects; p-values are two-sided and not corrected for the "
         "number of claims.</p>",
-        _table(_overview(findings)),
+        _table(counts),
     ]
     for where, found in by_condition.items():
         lines.append(f"<h3>{escape(where)}</h3><ul>")
         lines += [
-            f"<li>{escape(f.claim)}: <span class='{f.verdict}'>{f.verdict}</span>. {escape(f.text)}</li>"
-            for f in found
+            f"<li>{escape(r.claim)}: <span class='{r.conclusion}'>{r.conclusion}</span>. "
+            f"{escape(r.text)}</li>"
+            for r in found
         ]
         lines.append("</ul>")
     return lines
-
-
-def _overview(findings: Sequence[Finding]) -> list[dict[str, Any]]:
-    """Count the conditions in which each claim holds, fails and stays open."""
-    claims = dict.fromkeys(finding.claim for finding in findings)
-    return [
-        {"claim": claim}
-        | {
-            str(verdict): sum(f.claim == claim and f.verdict == verdict for f in findings)
-            for verdict in Verdict
-        }
-        for claim in claims
-    ]
 
 
 def _observation_tables(counts: Counts) -> list[str]:

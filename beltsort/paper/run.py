@@ -7,14 +7,14 @@ from time import perf_counter
 from typing import Any
 
 from beltsort.paper.beyond import beyond_points
+from beltsort.paper.claims import all_claims
 from beltsort.paper.design import Design
-from beltsort.paper.findings import all_findings
 from beltsort.paper.instances import PAPER
 from beltsort.paper.labels import label_points, simulate_labels
 from beltsort.paper.optimum import bound_optimum, optimum_points
 from beltsort.paper.outcomes import Point, Row, pooled
 from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
-from beltsort.paper.verdicts import Finding
+from beltsort.paper.statistics import ClaimResult
 from beltsort.sim import CellConfig
 from beltsort.sim.prepare import Prepared, StageProgress
 from beltsort.sweep.engine import run_points
@@ -25,7 +25,7 @@ Task = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """What came out, with one number per batch.
+    """The rows of all experiments, with one number per batch.
 
     Attributes
     ----------
@@ -56,9 +56,9 @@ class Results:
         """All rows of the paper's own experiments, the optimum's included."""
         return [*self.labels, *self.scans, *self.optimum_play]
 
-    def findings(self) -> list[Finding]:
+    def claims(self) -> list[ClaimResult]:
         """Return which claims hold."""
-        return all_findings(self.rows, self.beyond, self.optimum)
+        return all_claims(self.rows, self.beyond, self.optimum)
 
 
 def cell_of(prepared: Prepared, folder: Path) -> PreparedCell:

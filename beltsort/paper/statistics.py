@@ -1,4 +1,4 @@
-"""Means, differences, savings and slopes, each with what chance leaves open.
+"""Means, differences, savings and slopes with their standard errors, and claims that rest on them.
 
 Batches of objects are independent of each other; conditions that are compared met the same batches, so every
 statistic is of one number per batch.
@@ -6,15 +6,20 @@ statistic is of one number per batch.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtr, stdtrit
 
 from beltsort import ArgumentError
+from beltsort.util.text import number_or_none
 
 CONFIDENCE = 0.95
+FEWEST = 10
+"""Fewest batches to conclude from: outcomes are whole numbers, and few of them may agree by chance."""
 
 
 @dataclass(frozen=True)
@@ -43,10 +48,25 @@ class Estimate:
 
     @property
     def p(self) -> float:
-        """Probability that chance alone leads at least so far from zero; NaN from a single batch."""
+        """The two-sided p-value of Student's test that the true value is zero; NaN from a single batch."""
         if self.standard_error == 0.0:
             return 1.0 if self.value == 0.0 else 0.0
         return float(2.0 * stdtr(max(self.n - 1, 1), -abs(self.value) / self.standard_error))
+
+    def in_words(self, unit: str = "", *, factor: float = 1.0, digits: int = 1) -> str:
+        """Return the value with its interval and p-value as text; `factor` converts it to `unit`.
+
+        Examples
+        --------
+        >>> Estimate(0.152, 0.004, 1000).in_words(" %", factor=100)
+        '15.2 % (95 % interval 14.4 to 16.0 %; p < 0.001)'
+        """
+        numbers = (self.value, *self.interval)
+        value, lower, upper = (f"{factor * number:.{digits}f}" for number in numbers)
+        p = "p < 0.001" if self.p < 0.001 else f"p = {self.p:.3f}"
+        if math.isnan(self.p):
+            p = "p unknown from a single batch"
+        return f"{value}{unit} (95 % interval {lower} to {upper}{unit}; {p})"
 
 
 def mean(samples: ArrayLike) -> Estimate:
@@ -96,7 +116,7 @@ def saving(after: ArrayLike, before: ArrayLike) -> Estimate:
 
 
 def unpaired(first: ArrayLike, second: ArrayLike) -> Estimate:
-    """Return the difference of two means of unrelated batches; its degrees of freedom are the fewer ones."""
+    """Return the difference of two means of unrelated batches; `n` is that of the fewer batches."""
     one, other = mean(first), mean(second)
     error = math.hypot(one.standard_error, other.standard_error)
     return Estimate(one.value - other.value, error, min(one.n, other.n))
@@ -127,3 +147,71 @@ def _paired(first: ArrayLike, second: ArrayLike) -> tuple[NDArray[np.float64], N
     if one.shape != other.shape:
         raise ArgumentError(f"{len(one)} and {len(other)} batches cannot be paired; give the same batches")
     return one, other
+
+
+class Conclusion(StrEnum):
+    """Whether a claim holds."""
+
+    HOLDS = "holds"
+    """The whole confidence interval is on the claim's side."""
+
+    FAILS = "fails"
+    """The whole confidence interval is on the other side."""
+
+    OPEN = "open"
+    """The interval reaches across, or there are fewer than `FEWEST` batches: more would be needed."""
+
+
+def conclude(estimate: Estimate, above: float) -> Conclusion:
+    """Return whether a number is above a limit.
+
+    Examples
+    --------
+    >>> print(conclude(Estimate(0.2, 0.01, 100), above=0.1))
+    holds
+    >>> print(conclude(Estimate(0.2, 0.1, 100), above=0.1))
+    open
+    """
+    lower, upper = estimate.interval
+    if estimate.n < FEWEST:
+        return Conclusion.OPEN
+    if lower > above:
+        return Conclusion.HOLDS
+    return Conclusion.FAILS if upper < above else Conclusion.OPEN
+
+
+@dataclass(frozen=True)
+class ClaimResult:
+    """Whether a claim holds under one condition.
+
+    Attributes
+    ----------
+    claim
+        In a few words.
+    where
+        The condition: level, tables, objects, discount.
+    conclusion
+        Whether it holds.
+    estimate
+        The number that it rests on.
+    text
+        A sentence with the numbers.
+    """
+
+    claim: str
+    where: str
+    conclusion: Conclusion
+    estimate: Estimate
+    text: str
+
+    def plain(self) -> dict[str, Any]:
+        """Return it as plain data for JSON and CSV; numbers that are not finite become None."""
+        lower, upper = self.estimate.interval
+        numbers = asdict(self.estimate) | {"lower": lower, "upper": upper, "p": self.estimate.p}
+        return {
+            "claim": self.claim,
+            "where": self.where,
+            "verdict": str(self.conclusion),
+            **{name: number_or_none(value) for name, value in numbers.items()},
+            "text": self.text,
+        }

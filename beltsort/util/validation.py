@@ -68,6 +68,7 @@ def validated(
         What `error` returns, for all problems at once: unknown and missing keys, values of a wrong type or
         out of range. A dataclass that checks itself, without `OWN_CHECKS`, stops at its first problem.
     """
+    # The envelope's configuration makes dataclasses strict as well.
     envelope = create_model("Envelope", __config__=STRICT, content=(kind, ...))
     # As JSON, in whose strict mode a list may become a tuple but text never a number.
     text = json.dumps({"content": given}, default=str)

@@ -130,7 +130,7 @@ def test_the_command_tells_what_it_found(
     commanded: Commanded, reproduction: Reproduction, capsys: pytest.CaptureFixture[str]
 ) -> None:
     told = commanded.printed
-    assert told["findings"] == [finding.plain() for finding in reproduction.results.findings()]
+    assert told["findings"] == [result.plain() for result in reproduction.results.claims()]
     assert told["findings"][0]["claim"] == "two positions need fewer steps"
     assert "beltsort reproduce --quick" in Path(told["report"]).read_text()
     show_text(reproduction)

@@ -1,4 +1,4 @@
-"""Findings on numbers whose truth is known."""
+"""Claims on numbers whose truth is known."""
 
 from dataclasses import replace
 from typing import Any
@@ -12,20 +12,18 @@ from beltsort.paper import (
     PAPER,
     QUICK,
     TWO,
+    Conclusion,
     Estimate,
-    Verdict,
     claims,
     difference,
     propagated,
     saving,
     slope,
 )
-from beltsort.paper.beyond import BONUS
-from beltsort.paper.beyond_findings import beyond_findings
+from beltsort.paper.beyond import BONUS, beyond_claims
 from beltsort.paper.design import Stream, seed_of
 from beltsort.paper.instances import sharpened, with_arrival, with_more_positions
-from beltsort.paper.statistics import mean, unpaired
-from beltsort.paper.verdicts import in_words, verdict
+from beltsort.paper.statistics import conclude, mean, unpaired
 
 BATCHES = 40
 RNG = np.random.default_rng(0)
@@ -44,7 +42,7 @@ def row(positions: int, r_min: float, steps: float, positives: float, **further:
     }  # fmt: skip
 
 
-def verdicts(two_steps: float, two_positives: float, growth: float = 10.0) -> dict[str, str]:
+def conclusions(two_steps: float, two_positives: float, growth: float = 10.0) -> dict[str, str]:
     rows = [
         row(
             positions,
@@ -55,28 +53,28 @@ def verdicts(two_steps: float, two_positives: float, growth: float = 10.0) -> di
         for positions, at_50, positives in ((1, 40.0, 9.0), (2, two_steps, two_positives))
         for r_min in (5.0, 50.0, 500.0)
     ]
-    return {finding.claim: str(finding.verdict) for finding in claims(rows, "here")}
+    return {result.claim: str(result.conclusion) for result in claims(rows, "here")}
 
 
 def test_claims_that_hold() -> None:
-    assert set(verdicts(34.0, 9.0).values()) == {"holds"}
+    assert set(conclusions(34.0, 9.0).values()) == {"holds"}
 
 
 def test_claims_that_fail() -> None:
-    found = verdicts(44.0, 8.5, growth=-10.0)
+    found = conclusions(44.0, 8.5, growth=-10.0)
     assert set(found.values()) == {"fails"}
 
 
 def test_a_small_saving_and_a_lost_accuracy_are_told_apart() -> None:
-    found = verdicts(38.0, 8.8)
+    found = conclusions(38.0, 8.8)
     assert found["two positions need fewer steps"] == "holds"
     assert found["two positions save at least 10 % of the steps"] == "fails"
     assert found["equal accuracy with two positions"] == "fails"
 
 
 def test_few_batches_say_nothing() -> None:
-    assert verdict(Estimate(1.0, 0.0, 2), above=0.0) is Verdict.OPEN
-    assert verdict(Estimate(1.0, 0.0, 10), above=0.0) is Verdict.HOLDS
+    assert conclude(Estimate(1.0, 0.0, 2), above=0.0) is Conclusion.OPEN
+    assert conclude(Estimate(1.0, 0.0, 10), above=0.0) is Conclusion.HOLDS
 
 
 def test_a_saving_and_its_error_are_those_of_many_repetitions() -> None:
@@ -102,7 +100,7 @@ def test_estimates_by_hand() -> None:
     assert slope([0.0, 1.0], [[1.0, 1.0], [3.0, 5.0]]) == Estimate(3.0, 1.0, 2)
     assert unpaired([1.0, 3.0], [1.0, 1.0, 1.0]) == Estimate(1.0, 1.0, 2)
     assert np.isnan(mean([4]).standard_error)
-    assert "p unknown" in in_words(mean([4]))
+    assert "p unknown" in mean([4]).in_words()
     with pytest.raises(ArgumentError, match=r"\b2 and 3 batches\b"):
         difference([1, 2], [1, 2, 3])
 
@@ -112,8 +110,8 @@ def test_a_study_is_held_against_its_base() -> None:
         row(2, 50.0, 30.0, 9.0, study=BONUS, setting=0.0),
         row(2, 50.0, 33.0, 9.0, study=BONUS, setting=1.0),
     ]
-    (found,) = beyond_findings([*rows, row(2, 50.0, 30.0, 9.0, study="positions seen", setting=2.0)])
-    assert found.verdict is Verdict.HOLDS
+    (found,) = beyond_claims([*rows, row(2, 50.0, 30.0, 9.0, study="positions seen", setting=2.0)])
+    assert found.conclusion is Conclusion.HOLDS
     assert found.estimate.value == pytest.approx(3.0, abs=0.2)
     assert "the steps by +3" in found.text
 
