@@ -1,14 +1,13 @@
-"""Why beliefs are not calibrated: looks that depend on each other, and tables that are not known well."""
+"""Why beliefs are not calibrated: looks that depend on each other, and statistical errors of the tables."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from beltsort import SortingModel
-from beltsort.calibration.dependence import Dependence, dependences
-from beltsort.calibration.imagined_runs import imagine
-from beltsort.calibration.portraits import collect_portraits
+from beltsort.calibration.dependence import Dependence, collect_looks, dependences
 from beltsort.calibration.reliability import Reliability, reliability
+from beltsort.calibration.simulated_runs import simulate_runs
 from beltsort.calibration.sorted_runs import decision_pairs
 from beltsort.perception import NearestNeighbour
 from beltsort.util.processes import Progress
@@ -19,22 +18,22 @@ AS_MODELLED, UNCERTAIN = "labels as modelled", "tables as uncertain as they are"
 
 @dataclass(frozen=True, eq=False)
 class Causes:
-    """What was measured.
+    """Measured reasons why beliefs are not calibrated.
 
     Attributes
     ----------
     objects
-        Number of portraits, and of objects imagined each time.
+        Number of objects scanned, and of objects simulated for each arm.
     dependences
         Of looks at one object.
-    imagined
-        Reliability of decisions about imagined objects, by arm: `AS_MODELLED` and, for models that have their
-        counts, `UNCERTAIN`.
+    simulated
+        Reliability of decisions if labels are drawn from tables, by arm and kind of tables: `AS_MODELLED`
+        and, for models that have their counts, `UNCERTAIN`.
     """
 
     objects: int
     dependences: list[Dependence]
-    imagined: Mapping[str, Mapping[str, Reliability]]
+    simulated: Mapping[str, Mapping[str, Reliability]]
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, fit for JSON."""
@@ -42,8 +41,8 @@ class Causes:
             "objects": self.objects,
             "dependences": [numbers_or_none(asdict(found)) for found in self.dependences],
             "imagined": {
-                name: {what: curve.to_dict() for what, curve in curves.items()}
-                for name, curves in self.imagined.items()
+                name: {tables: curve.to_dict() for tables, curve in curves.items()}
+                for name, curves in self.simulated.items()
             },
         }
 
@@ -57,7 +56,7 @@ def find_causes(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Causes:
-    """Measure on the default simulated cell what the models leave out.
+    """Measure, on the default simulated cell, two effects that the models leave out.
 
     Parameters
     ----------
@@ -66,23 +65,25 @@ def find_causes(
     database
         The classifier.
     objects
-        Portraits, and imagined objects.
+        Objects to scan, and to simulate for each arm.
     seed, workers
         As in `beltsort.calibration.sorted_runs.sort_many`.
     progress
-        Called with the number of portraits done and in all.
+        Called with the number of objects scanned and in all.
 
     Raises
     ------
     ArgumentError
         If `objects` or `workers` is below 1.
     """
-    portraits = collect_portraits(database, objects=objects, seed=seed, workers=workers, progress=progress)
-    imagined = {
+    looks = collect_looks(database, objects=objects, seed=seed, workers=workers, progress=progress)
+    simulated = {
         name: {
             what: reliability(
                 decision_pairs(
-                    imagine(model, objects=objects, seed=seed, uncertain=what == UNCERTAIN, workers=workers)
+                    simulate_runs(
+                        model, objects=objects, seed=seed, uncertain=what == UNCERTAIN, workers=workers
+                    )
                 )
             )
             for what in (AS_MODELLED, UNCERTAIN)
@@ -90,4 +91,4 @@ def find_causes(
         }
         for name, model in models.items()
     }
-    return Causes(objects, dependences(portraits, seed), imagined)
+    return Causes(objects, dependences(looks, seed), simulated)

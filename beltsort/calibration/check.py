@@ -1,4 +1,4 @@
-"""Models held against each other on the same objects: whether beliefs come true, and what that costs."""
+"""Models compared on the same objects: how well beliefs are calibrated, and what sorting costs."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass

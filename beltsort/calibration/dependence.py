@@ -1,40 +1,123 @@
 r"""How much looks at one object depend on each other, given its class.
 
+The looks at an object are those as the belt carries it from the last position to the belt end: two scans from
+every viewpoint at every position.
+
 Pairs of looks are of four kinds: from one or from two viewpoints, before and after the belt has moved or at
 one position. For each kind,
 
 .. math:: \text{repeated} = \frac{\text{agreement} - \text{chance}}{1 - \text{chance}},
 
-agreement being the share of pairs of one object whose labels agree, chance that of pairs of two objects of
-its class. So it is what `repeat` is, for every kind of pair: 0 where looks are independent, as the model has
-it but for repeated looks at one position. Also: how often both labels are wrong, and how often they would be
-if looks were independent.
+where agreement is the share of pairs of looks at one object whose labels agree, and chance is that share for
+looks at two objects of one class. It generalises the model's `repeat` to every kind of pair. It is 0 where
+looks are independent, which the model assumes except for repeated looks at one position. Also measured: how
+often both labels are wrong, and how often they would be if looks were independent.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beltsort.calibration.portraits import Portraits
+from beltsort.perception import NearestNeighbour, Perception
+from beltsort.sim import CellConfig
+from beltsort.sim.collect import SCANS
+from beltsort.util.processes import Progress, at_least_one, in_processes
+from beltsort.util.randomness import checked_seed, generator
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
-RESAMPLES = 300
+LOOKS_STREAM = 3  # objects that are neither trained on, nor counted, nor sorted: see `beltsort.sim.rounds`
+NO_LABEL = -1
+RESAMPLES = 300  # of the bootstrap
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectLooks:
+    """Labels of n objects, each scanned twice from each of K viewpoints at each of H positions.
+
+    Attributes
+    ----------
+    true
+        Class indices, shape (n,).
+    labels
+        Shape (n, H, K, 2); `NO_LABEL` where there was none.
+    """
+
+    true: Integers
+    labels: Integers
+
+
+def collect_looks(
+    database: NearestNeighbour,
+    config: CellConfig | None = None,
+    *,
+    objects: int,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> ObjectLooks:
+    """Scan objects of the simulated cell, of each class in turn, each among others of random classes.
+
+    Parameters
+    ----------
+    database
+        The classifier.
+    config
+        What the cell is set to.
+    objects
+        Number of objects.
+    seed, workers, progress
+        As in `beltsort.tables.collect_counts`.
+
+    Raises
+    ------
+    ArgumentError
+        If `objects` or `workers` is below 1.
+    """
+    at_least_one("objects", objects)
+    config = config or CellConfig()
+    task = partial(_looks_at, config, database, checked_seed(seed))
+    labels = list(in_processes(task, range(objects), workers, progress))
+    return ObjectLooks(np.arange(objects) % len(config.classes), np.array(labels, dtype=np.int64))
+
+
+def _looks_at(config: CellConfig, database: NearestNeighbour, seed: int, number: int) -> Integers:
+    """Return the labels of one object, shape (H, K, 2)."""
+    from beltsort.sim import SimulatedCell
+
+    positions, rng = config.layout.positions, generator(seed, LOOKS_STREAM, number)
+    true = rng.integers(len(config.classes), size=2 * positions - 1 + config.upstream).tolist()
+    true[positions - 1] = number % len(config.classes)
+    cell = SimulatedCell(true, config, int(rng.integers(2**63)))
+    perceive = Perception(config.layout, database)
+    labels = np.full((positions, len(config.viewpoints), SCANS), NO_LABEL)
+    for first in range(positions):
+        cell.advance_to(first, f"advance-{first}")
+        place = positions - 1 - first
+        for k in range(len(config.viewpoints)):
+            stop = cell.move_to(k, f"move-{first}-{k}")
+            for scan in range(SCANS):
+                label = perceive(cell.scan(not_before=stop))[place].label
+                labels[place, k, scan] = NO_LABEL if label is None else label
+    return labels
 
 
 @dataclass(frozen=True)
 class Dependence:
-    """What one kind of pairs of looks says.
+    """How much looks depend on each other, for one kind of pairs of looks.
 
     Attributes
     ----------
     same_viewpoint, same_position
         The kind.
     repeated, repeated_error
-        See above, and its standard error by a bootstrap of objects.
+        The share defined above, and its standard error by a bootstrap of objects.
     both_wrong, both_wrong_expected
-        Share of pairs of which both labels are wrong: seen, and if looks were independent given the class.
+        Share of pairs whose labels are both wrong: observed, and expected if looks were independent given the
+        class.
     """
 
     same_viewpoint: bool
@@ -45,24 +128,27 @@ class Dependence:
     both_wrong_expected: float
 
 
-def dependences(portraits: Portraits, seed: int = 0) -> list[Dependence]:
+def dependences(looks: ObjectLooks, seed: int = 0) -> list[Dependence]:
     """Measure the dependence of all kinds of pairs; kinds that have none are left out.
 
     Parameters
     ----------
-    portraits
-        At least two of each class.
+    looks
+        At at least two objects of each class.
     seed
         Of the bootstrap.
     """
     rng = np.random.default_rng(seed)
-    n, positions, viewpoints, scans = portraits.labels.shape
+    n, positions, viewpoints, scans = looks.labels.shape
     position, viewpoint = np.indices((positions, viewpoints, scans))[:2].reshape(2, -1)
-    one_hot = _one_hot(portraits)
-    wrong = 1.0 - one_hot[np.arange(n), :, portraits.true] - (one_hot.sum(axis=2) == 0)
-    everything = _Weighted(one_hot, wrong, portraits.true, np.ones(n))
+    labels = looks.labels.reshape(n, -1)
+    classes = int(max(labels.max(), looks.true.max())) + 1
+    # Shape (n, looks, L): a row of zeros where there is no label.
+    one_hot: Array = (labels[:, :, np.newaxis] == np.arange(classes)).astype(np.float64)
+    wrong = 1.0 - one_hot[np.arange(n), :, looks.true] - (one_hot.sum(axis=2) == 0)
+    everything = _Weighted(one_hot, wrong, looks.true, np.ones(n))
     samples = [
-        _Weighted(one_hot, wrong, portraits.true, rng.multinomial(n, np.full(n, 1.0 / n)).astype(np.float64))
+        _Weighted(one_hot, wrong, looks.true, rng.multinomial(n, np.full(n, 1.0 / n)).astype(np.float64))
         for _ in range(RESAMPLES)
     ]
     found = []
@@ -76,14 +162,6 @@ def dependences(portraits: Portraits, seed: int = 0) -> list[Dependence]:
             wrongs = everything.both_wrong(kind)
             found.append(Dependence(same_viewpoint, same_position, repeated, error, *wrongs))
     return found
-
-
-def _one_hot(portraits: Portraits) -> Array:
-    """Return labels as rows of one 1, all 0 where there is none, shape (n, looks, L)."""
-    labels = portraits.labels.reshape(len(portraits.labels), -1)
-    classes = int(max(labels.max(), portraits.true.max())) + 1
-    one_hot: Array = (labels[:, :, np.newaxis] == np.arange(classes)).astype(np.float64)
-    return one_hot
 
 
 class _Weighted:
@@ -110,7 +188,7 @@ class _Weighted:
             self._chance_wrong += pairs * _others(e[:, :, np.newaxis], w) / others
 
     def repeated(self, kind: NDArray[np.bool_]) -> float:
-        """Return the share of looks that only repeat."""
+        """Return the share of looks that only repeat the other look's label."""
         agreement, chance = (sums[kind].sum() for sums in (self._agree, self._chance_agree))
         return float((agreement - chance) / (self._pairs[kind].sum() - chance))
 

@@ -11,7 +11,7 @@ from beltsort.calibration.reliability import EDGES, Reliability
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-POINTS, CHANCE = "#0072B2", "0.85"  # Okabe & Ito's blue on light grey: told apart without colour, too
+POINTS, CHANCE = "#0072B2", "0.85"  # Okabe & Ito's blue on light grey: distinct in grey as well
 INCHES = 4.0  # of one panel
 FEWEST = 10  # pairs in a bin that is drawn: the share of fewer says nothing
 

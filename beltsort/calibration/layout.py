@@ -1,4 +1,4 @@
-"""Calibration as rows of text."""
+"""Tables of calibration results, as rows of text."""
 
 from collections.abc import Mapping
 
@@ -64,13 +64,13 @@ def dependences_rows(causes: Causes) -> Rows:
     ]
 
 
-def imagined_rows(causes: Causes) -> Rows:
-    """Return a row for each arm and each kind of imagined truth."""
+def simulated_rows(causes: Causes) -> Rows:
+    """Return a row for each arm and each kind of tables that labels were drawn from."""
     return [
         ["", "truth", "ECE of decisions", "by chance"],
         *(
             [name, what, _with_error(curve.ece, curve.ece_error), f"{curve.ece_chance:.3f}"]
-            for name, curves in causes.imagined.items()
+            for name, curves in causes.simulated.items()
             for what, curve in curves.items()
         ),
     ]

@@ -1,4 +1,4 @@
-r"""Whether beliefs come true as often as they say: reliability curve, calibration error, Brier score.
+r"""How well beliefs are calibrated: reliability curve, calibration error, Brier score.
 
 A pair is a belief p in a class and whether the object is of it (y = 1) or not (y = 0). Pairs are put into the
 bins of `EDGES`; with n pairs, of which n_b in bin b,
@@ -146,7 +146,7 @@ class Reliability:
 
 
 def reliability(pairs: Pairs, seed: int = 0) -> Reliability:
-    """Hold beliefs against what came true.
+    """Return how well beliefs are calibrated.
 
     Parameters
     ----------

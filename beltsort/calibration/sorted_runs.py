@@ -1,4 +1,4 @@
-"""Sort many objects from simulated depth scans, and keep every belief beside the truth.
+"""Sort many objects from simulated depth scans, and keep every belief with the true class.
 
 A run is one simulated cell of its own, `objects` to be sorted and others behind them, so that no position is
 ever empty. What a run's objects are, how they lie, and the noise of the n-th scan since the belt moved depend
@@ -17,6 +17,7 @@ import numpy as np
 from beltsort import ArgumentError, Despot, SortingModel
 from beltsort.calibration.reliability import Pairs
 from beltsort.perception import NearestNeighbour, Perception
+from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.sim import CellConfig
 from beltsort.sorting.entries import Decided, Scanned
 from beltsort.sorting.journal import Entry, Journal, read_journal
@@ -27,13 +28,12 @@ from beltsort.util.processes import at_least_one, in_processes
 from beltsort.util.randomness import checked_seed, generator
 
 RUN_LENGTH = 10  # objects, as in the paper
-TRIALS = 300
 CALIBRATION_STREAM = 2  # neither trained on nor counted: see `beltsort.sim.rounds`
 
 
 @dataclass(frozen=True)
 class SortedRun:
-    """What a run believed, and what was true.
+    """The beliefs of a run, and the true classes.
 
     Attributes
     ----------
@@ -59,14 +59,14 @@ class SortedRun:
 
 
 def run_in(entries: Sequence[Entry], true: Sequence[int]) -> SortedRun:
-    """Read from a journal what a run believed.
+    """Return what a journal holds of a run's beliefs.
 
     Parameters
     ----------
     entries
         Of the whole run.
     true
-        Class index of each object that was to be sorted; what is told of further ones is left out.
+        Class index of each object that was to be sorted; beliefs about further ones are left out.
     """
     beliefs, decisions = [], []
     for entry in entries:
@@ -154,7 +154,7 @@ def _sorted(config: CellConfig, database: NearestNeighbour, seed: int, work: tup
     true = rng.choice(len(model.classes), size=places, p=model.arrival).tolist()
     cell = SimulatedCell(true, config, int(rng.integers(2**63)))
     perceive = Perception(config.layout, database)
-    planner = Despot(model, seed=number, trials=TRIALS, threads=1)
+    planner = Despot(model, seed=number, trials=DEFAULT_TRIALS, threads=1)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "journal.sqlite"
         with Journal(path) as journal:

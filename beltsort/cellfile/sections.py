@@ -9,13 +9,13 @@ from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.frames import from_matrix, from_quaternion
 from beltsort.cellfile.validation import Section
 from beltsort.geometry import Pose, look_at, on_sphere
+from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan
 
 Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 Quaternion = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Matrix = tuple[Quaternion, Quaternion, Quaternion, Quaternion]
-DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
 
 Options = dict[str, object]
 Seconds = Annotated[PositiveFloat, Field(le=3600.0)]

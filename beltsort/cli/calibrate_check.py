@@ -137,7 +137,7 @@ def show(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") 
         arms_rows,
         dependences_rows,
         differences_rows,
-        imagined_rows,
+        simulated_rows,
     )
 
     decisions = [arm.curves["decisions"] for arm in arms.values()]
@@ -152,7 +152,7 @@ def show(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") 
         )
         print_table(dependences_rows(causes))
         print(f"Imagined objects, at least {causes.objects} each:")
-        print_table(imagined_rows(causes))
+        print_table(simulated_rows(causes))
     elif max(curve.ece for curve in decisions) > TOO_MUCH:
         print(f"Decisions are not calibrated to {TOO_MUCH}; --causes 200 looks for what is amiss.")
     print(f"picture: {arguments.figure}")

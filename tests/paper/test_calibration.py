@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.calibration.dependence import dependences
-from beltsort.calibration.portraits import Portraits
+from beltsort.calibration.dependence import ObjectLooks, dependences
 from beltsort.calibration.reliability import Pairs, reliability
 from beltsort.calibration.sorted_runs import run_in
 from beltsort.sorting.entries import AnyContent, Decided, Scanned, Started
@@ -47,7 +46,7 @@ def test_only_repeated_looks_depend() -> None:
     labels = np.where(
         rng.random((400, 2, 2, 1)) < 0.7, true[:, None, None, None], 1 - true[:, None, None, None]
     )
-    repeat, *others = dependences(Portraits(true, np.repeat(labels, 2, axis=3)))
+    repeat, *others = dependences(ObjectLooks(true, np.repeat(labels, 2, axis=3)))
     assert repeat.repeated == pytest.approx(1.0)
     assert all(abs(found.repeated) < 4.0 * found.repeated_error for found in others)
 

@@ -1,7 +1,7 @@
-"""Sort objects whose labels are drawn from tables: what runs would believe if looks were as modelled.
+"""Runs whose labels are drawn from tables, as the model assumes, and not from scans.
 
-With the model's own tables as the truth, beliefs are calibrated but for chance; with tables drawn from what
-the counts leave open, they are wrong by as much as counting so few objects makes them.
+With the model's own tables as the truth, beliefs are calibrated up to chance. With true tables drawn from the
+posterior of the counts, they show how much the tables' statistical error alone costs.
 """
 
 from functools import partial
@@ -10,18 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort import Belief, Decide, Despot, ModelError, SortingModel
-from beltsort.calibration.sorted_runs import RUN_LENGTH, TRIALS, SortedRun, runs_of
+from beltsort.calibration.sorted_runs import RUN_LENGTH, SortedRun, runs_of
+from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.planning.policy import Policy
 from beltsort.sorting.rules import Rules
 from beltsort.util.processes import Progress, in_processes
 from beltsort.util.randomness import checked_seed, generator
 
-IMAGINED_STREAM = 4  # of random numbers: see `beltsort.calibration.sorted_runs`
+SIMULATED_STREAM = 4  # of random numbers: see `beltsort.calibration.sorted_runs`
 
 Array = NDArray[np.float64]
 
 
-def imagine(
+def simulate_runs(
     model: SortingModel,
     *,
     objects: int,
@@ -31,7 +32,7 @@ def imagine(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> list[SortedRun]:
-    """Sort imagined objects, planned by DESPOT.
+    """Sort objects whose labels are drawn from tables, planned by DESPOT.
 
     Parameters
     ----------
@@ -54,27 +55,24 @@ def imagine(
     truth = truth or model
     if uncertain and (truth.counts is None or truth.smoothing is None):
         raise ModelError("the model has no counts, expected them with their smoothing: estimate it anew")
-    task = partial(_imagined, model.to_json(), truth.to_json(), uncertain, checked_seed(seed))
+    task = partial(_simulated_run, model.to_json(), truth.to_json(), uncertain, checked_seed(seed))
     return list(in_processes(task, runs_of(objects), workers, progress))
 
 
-def _imagined(model_text: str, truth_text: str, uncertain: bool, seed: int, number: int) -> SortedRun:
+def _simulated_run(model_text: str, truth_text: str, uncertain: bool, seed: int, number: int) -> SortedRun:
     model, truth = SortingModel.from_json(model_text), SortingModel.from_json(truth_text)
-    rng = generator(seed, IMAGINED_STREAM, number)
-    tables = _posterior_draw(truth, rng) if uncertain else truth.p_obs
+    rng = generator(seed, SIMULATED_STREAM, number)
+    tables = truth.p_obs
+    if uncertain:
+        posterior = np.asarray(truth.counts, dtype=np.float64) + float(truth.smoothing or 0.0)
+        gammas = rng.standard_gamma(posterior)  # normalised, they are draws from a Dirichlet distribution
+        tables = gammas / gammas.sum(axis=-1, keepdims=True)
     run = _Run(model, _Labels(tables, truth.repeat, rng), rng)
-    return run.sorted(Despot(model, seed=number, trials=TRIALS, threads=1))
-
-
-def _posterior_draw(truth: SortingModel, rng: np.random.Generator) -> Array:
-    """Draw tables from the Dirichlet posterior of each row, shape (H, K, L, L)."""
-    gammas = rng.standard_gamma(np.asarray(truth.counts, dtype=np.float64) + float(truth.smoothing or 0.0))
-    tables: Array = gammas / gammas.sum(axis=-1, keepdims=True)
-    return tables
+    return run.sorted(Despot(model, seed=number, trials=DEFAULT_TRIALS, threads=1))
 
 
 class _Labels:
-    """Draws labels; a repeated look may repeat its label until the belt moves."""
+    """Draws labels; a repeated look may repeat the earlier label until the belt moves."""
 
     def __init__(self, tables: Array, repeat: Array, rng: np.random.Generator) -> None:
         self._tables, self._repeat, self._rng = tables, repeat, rng
