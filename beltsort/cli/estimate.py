@@ -219,7 +219,7 @@ def digest(content: bytes) -> str:
 
 def show(result: "Estimate", arguments: Namespace) -> None:
     """Print the tables, how well they are known, and what speaks against the model."""
-    from beltsort.tables.layout import agreement_text, findings_text, intervals_text, table_one, table_two
+    from beltsort.tables.layout import agreement_text, independence_text, intervals_text, table_one, table_two
 
     model = result.model
     names = (model.classes, model.viewpoints)
@@ -229,7 +229,7 @@ def show(result: "Estimate", arguments: Namespace) -> None:
     print(f"\n{table_two(model.p_obs, *names)}")
     print(f"\n{intervals_text(result.counts, result.smoothing, *names)}")
     print(f"\n{agreement_text(result.counts, model.viewpoints)}")
-    print(f"\n{findings_text(result.findings, model.viewpoints)}")
+    print(f"\n{independence_text(result.tests, model.viewpoints)}")
     worst = result.worst
     print(
         f"\nThe largest standard error is {worst.error:.3f}: position {worst.position + 1}, "

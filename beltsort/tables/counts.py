@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Look:
-    """What one or two scans of one object said.
+    """The labels of one or two scans of one object.
 
     Attributes
     ----------
@@ -132,9 +132,9 @@ class Counts:
         smoothing
             See `probabilities`.
         repeats
-            Whether the model is to say how often a second look only repeats the first: by `repeat`, but 0
-            where that is unknown, and never so near to 1 that not one more pair could contradict it (by
-            Laplace's rule of succession: n agreeing pairs leave 1 / (n + 2) for the next one to differ).
+            Whether to set the model's `repeat`, from the method `repeat`: 0 where that is NaN, and at most
+            1 - 1 / (n + 2) after n pairs (Laplace's rule of succession), since at 1 a pair that differs would
+            be impossible.
         **settings
             Further arguments of `beltsort.SortingModel`: rewards, discount, travel.
         """

@@ -1,21 +1,22 @@
-r"""Watch whether labels still come as the tables say.
+r"""Watch whether labels still follow the observation tables.
 
 Before each look the model predicts its label: :math:`p(z) = \sum_c b(c) \, o(z \mid c)`, b being the belief
 *before* the look, so the truth need not be known. If tables, arrival prior and beliefs are right, z is drawn
-from p, whatever policy chose the look. Whoever bets on another prediction q multiplies his wealth by
-:math:`e = q(z) / p(z)`, whose mean under p is 1: his wealth is a martingale, and by Ville's inequality it
-ever reaches 1/alpha with probability alpha at most. A gambler here has two bets, of equal stakes:
+from p, whatever policy chose the look. For any alternative prediction q, the likelihood ratio
+:math:`e = q(z) / p(z)` then has mean 1, so the product of the ratios of all looks is a martingale (a test
+martingale; its value is the evidence, or a gambler's wealth), and by Ville's inequality the probability that
+it ever reaches 1/alpha is at most alpha. Two alternatives are tested, with equal weights:
 
 * noise: a share :math:`\lambda` of the labels is uniform, :math:`q(z) = (1 - \lambda) p(z) + \lambda / L`;
-* other shares: :math:`q(z) \propto p(z) \, r(z)`, r being how much oftener than predicted z came of late. It
-  finds what noise does not: a classifier that is wrong but sure, and so never contradicts itself.
+* other frequencies: :math:`q(z) \propto p(z) \, r(z)`, where r is the recent frequency of z relative to the
+  predicted one. It detects what noise does not: a classifier that is always wrong in the same way.
 
-Since nobody knows when the change comes, a part w(t) = 1/(t (t + 1)) of one unit starts to bet at look t:
+Since the time of the change is unknown, a part w(t) = 1/(t (t + 1)) of the initial value 1 enters at look t:
 
-.. math:: M_t = (M_{t-1} + w(t)) \, e_t, \qquad \text{wealth}_t = M_t + \frac{1}{t + 1},
+.. math:: M_t = (M_{t-1} + w(t)) \, e_t, \qquad \text{evidence}_t = M_t + \frac{1}{t + 1},
 
-again a martingale. So an alarm's false-alarm probability holds for the whole life of a watch, not per look.
-The price is that evidence has to grow as the square of the looks before the change: with the paper's tables,
+again a martingale. So the false-alarm probability holds for the whole life of a watch, not per look. The
+price is that evidence has to grow as the square of the looks before the change: with the paper's tables,
 looks from random viewpoints and a false-alarm probability of 0.01, it takes 190 scans (median of 40 runs) to
 notice that 30 % of all labels have become noise if that happens after 200 scans, 380 if after 2000.
 
@@ -37,13 +38,13 @@ from beltsort.tables.counts import Array
 from beltsort.util.text import number_or_none
 
 NOISE = 0.2  # lambda; from 0.1 to 0.5 the delays differ little
-MEMORY = 0.98  # what shares of labels keep of their weight from look to look
-CAUTION = 5.0  # looks that are taken to have come as predicted before the first
+FORGETTING = 0.98  # factor by which earlier looks lose weight with each look
+PRIOR_LOOKS = 5.0  # pseudo-looks whose labels were as predicted
 LEARNT = ("seen", "expected", "excess", "variance", "looks")  # arrays of a watch, by position and viewpoint
 
 
 def check_false_alarm(false_alarm: float) -> None:
-    """Refuse what is no probability of an alarm, with an `ArgumentError`."""
+    """Raise an `ArgumentError` unless `false_alarm` is between 0 and 1."""
     if not 0.0 < false_alarm < 1.0:
         raise beltsort.ArgumentError(
             f"false_alarm is {false_alarm}, expected a probability between 0 and 1, such as 0.01"
@@ -52,16 +53,16 @@ def check_false_alarm(false_alarm: float) -> None:
 
 @dataclass(frozen=True)
 class Alarm:
-    """The tables no longer hold.
+    """Labels no longer follow the tables.
 
     Attributes
     ----------
     position, viewpoint
-        Where; None for both: everywhere, taken together.
+        Indices; None for the test of all positions and viewpoints together.
     looks
         Looks there until the alarm.
     evidence
-        The gambler's wealth, infinite after a label that the model holds impossible.
+        Value of the test martingale, infinite after a label that the model holds impossible.
     """
 
     position: int | None
@@ -75,33 +76,33 @@ class Alarm:
 
     @classmethod
     def of_dict(cls, data: Mapping[str, Any]) -> Self:
-        """Return the alarm that `to_dict` told of."""
+        """Return the alarm from what `to_dict` returned."""
         return cls(**{**data, "evidence": np.inf if data["evidence"] is None else data["evidence"]})
 
 
-class _Gambler:
-    """One wealth process: two bets."""
+class _TestMartingale:
+    """The evidence at one position and viewpoint, or at all together: one martingale per alternative."""
 
     def __init__(self, looks: int = 0, at_stake: Sequence[float] = (0.0, 0.0)) -> None:
-        self.looks, self.at_stake = looks, np.array(at_stake)  # by bet
+        self.looks, self.at_stake = looks, np.array(at_stake)  # M of each alternative
 
-    def bet(self, factors: Array) -> float:
-        """Take in one look, a factor for each bet; return the wealth."""
+    def update(self, ratios: Array) -> float:
+        """Multiply by the likelihood ratio q(z) / p(z) of each alternative; return the evidence."""
         self.looks += 1
-        self.at_stake = (self.at_stake + 1.0 / (self.looks * (self.looks + 1))) * factors
+        self.at_stake = (self.at_stake + 1.0 / (self.looks * (self.looks + 1))) * ratios
         return float(self.at_stake.mean()) + 1.0 / (self.looks + 1)
 
 
 class DriftWatch:
     """Raises an alarm when labels come otherwise than the model predicts.
 
-    There is a gambler for each position and viewpoint (a moved camera), and one for all together (a new batch
-    of objects). Each alarms once: after an alarm, look for the cause, estimate anew and begin a new watch.
+    There is a test for each position and viewpoint (a moved camera), and one for all together (a new batch of
+    objects). Each raises one alarm: then look for the cause, estimate anew and begin a new watch.
 
     What it tests is the whole model: tables, arrival prior, and `repeat`. A class mix other than the arrival
     prior is drift, too. Labels that agree more often than predicted raise no alarm by themselves. An alarm
-    tells where labels surprised; since one wrong table spoils the beliefs, others may come under suspicion.
-    Tables estimated from few objects are wrong from the start, and said to be so: with a false-alarm
+    names where labels were unlikely; a wrong table spoils the beliefs, so other places may raise alarms as well.
+    Tables estimated from few objects are wrong from the start and cause alarms: with a false-alarm
     probability of 0.05, 1500 scans raised an alarm in 5 of 60 runs with tables of 100 objects a row, in 47 of
     60 with tables of 20.
 
@@ -111,7 +112,7 @@ class DriftWatch:
         Whose beliefs are watched.
     false_alarm
         Probability, at most, that a watch of whatever length ever raises an alarm while the model is right;
-        between 0 and 1. Smaller delays true alarms (by a quarter from 0.05 to 0.01), larger cries wolf.
+        between 0 and 1. Smaller delays true alarms (by a quarter from 0.05 to 0.01).
 
     Attributes
     ----------
@@ -142,17 +143,17 @@ class DriftWatch:
         self.model, self.false_alarm = model, false_alarm
         self.alarms: list[Alarm] = []
         shape = (model.positions, len(model.viewpoints))
-        self._gamblers: dict[tuple[int, int] | None, _Gambler] = {
-            place: _Gambler() for place in [None, *np.ndindex(shape)]
+        self._tests: dict[tuple[int, int] | None, _TestMartingale] = {
+            place: _TestMartingale() for place in [None, *np.ndindex(shape)]
         }
-        self._enough = len(self._gamblers) / false_alarm  # each has its share of the probability
-        self._seen, self._expected = np.full((2, *shape, len(model.classes)), CAUTION)
+        self._threshold = len(self._tests) / false_alarm  # the tests share the probability (Bonferroni)
+        self._seen, self._expected = np.full((2, *shape, len(model.classes)), PRIOR_LOOKS)
         self._excess, self._variance, self._looks = np.zeros((3, *shape))
 
     def observe(
         self, belief_before: "beltsort.Belief", viewpoint: int, labels: Sequence[int | None]
     ) -> list[Alarm]:
-        """Take in one scan; return the alarms that it raises.
+        """Update with one scan; return the alarms that it raises.
 
         Parameters
         ----------
@@ -161,7 +162,7 @@ class DriftWatch:
         viewpoint
             Where the camera stood.
         labels
-            Label at each position, None where there is none: that tells nothing here.
+            Label at each position, None where there is none; such positions are ignored.
 
         Raises
         ------
@@ -186,12 +187,12 @@ class DriftWatch:
         return raised
 
     def state(self) -> dict[str, Any]:
-        """Return all that the watch has learnt, as plain data, fit for JSON and exact."""
+        """Return the state of the watch as plain data for JSON, without rounding."""
         return {
             "false_alarm": self.false_alarm,
             "gamblers": [
-                [None if place is None else [*place], gambler.looks, gambler.at_stake.tolist()]
-                for place, gambler in self._gamblers.items()
+                [None if place is None else [*place], test.looks, test.at_stake.tolist()]
+                for place, test in self._tests.items()
             ],
             "alarms": [alarm.to_dict() for alarm in self.alarms],
             **{name: _finite(getattr(self, f"_{name}").tolist()) for name in LEARNT},
@@ -199,10 +200,10 @@ class DriftWatch:
 
     @classmethod
     def of_state(cls, model: "beltsort.SortingModel", state: Mapping[str, Any]) -> Self:
-        """Return the watch that `state` told of; it goes on as that one would."""
+        """Return a watch in a state that `state` returned."""
         watch = cls(model, false_alarm=state["false_alarm"])
-        watch._gamblers = {
-            None if place is None else (place[0], place[1]): _Gambler(looks, at_stake)
+        watch._tests = {
+            None if place is None else (place[0], place[1]): _TestMartingale(looks, at_stake)
             for place, looks, at_stake in state["gamblers"]
         }
         watch.alarms = [Alarm.of_dict(alarm) for alarm in state["alarms"]]
@@ -212,14 +213,14 @@ class DriftWatch:
         return watch
 
     def surprise(self) -> tuple[Array, Array]:
-        """Return by how much the log-likelihood of the labels fell short of what the model predicts.
+        """Return by how much the labels' log-likelihood is below what the model predicts on average.
 
         Returns
         -------
         mean
-            Nats per look, shape (H, K); 0 in the mean if the model is right, NaN where nothing was seen.
+            Nats per look, shape (H, K); expected 0 if the model is right; NaN where there was no look.
         standard_error
-            Of it, if the model is right.
+            Of `mean` if the model is right, shape (H, K).
         """
         with np.errstate(invalid="ignore", divide="ignore"):
             return self._excess / self._looks, np.sqrt(self._variance) / self._looks
@@ -233,28 +234,27 @@ class DriftWatch:
         self._looks[place] += 1
         self._excess[place] += information[label] - entropy
         self._variance[place] += predicted[possible] @ (information[possible] - entropy) ** 2
-        factors = self._factors(place, predicted, label)
-        return [alarm for where in (place, None) if (alarm := self._bet(where, factors)) is not None]
+        ratios = self._ratios(place, predicted, label)
+        alarms = []
+        for where in (place, None):
+            test = self._tests.get(where)
+            if test is not None and (evidence := test.update(ratios)) >= self._threshold:
+                del self._tests[where]
+                j, k = where or (None, None)
+                alarms.append(Alarm(j, k, test.looks, evidence))
+        return alarms
 
-    def _factors(self, place: tuple[int, int], predicted: Array, label: int) -> Array:
-        """Return q(z) / p(z) of both bets, then learn from the label how often each comes."""
+    def _ratios(self, place: tuple[int, int], predicted: Array, label: int) -> Array:
+        """Return q(z) / p(z) of both alternatives, then update the frequencies of labels."""
         if predicted[label] == 0.0:
             return np.full(2, np.inf)
         noise = 1.0 - NOISE + NOISE / (len(predicted) * predicted[label])
         ratio = self._seen[place] / self._expected[place]
-        factors = np.array([noise, ratio[label] / (predicted @ ratio)])
+        ratios = np.array([noise, ratio[label] / (predicted @ ratio)])
         came = np.eye(len(predicted))[label]
         for kept, new in ((self._seen, came), (self._expected, predicted)):
-            kept[place] = CAUTION + MEMORY * (kept[place] - CAUTION) + new
-        return factors
-
-    def _bet(self, place: tuple[int, int] | None, factors: Array) -> Alarm | None:
-        gambler = self._gamblers.get(place)
-        if gambler is None or (wealth := gambler.bet(factors)) < self._enough:
-            return None
-        del self._gamblers[place]
-        position, viewpoint = place or (None, None)
-        return Alarm(position, viewpoint, gambler.looks, wealth)
+            kept[place] = PRIOR_LOOKS + FORGETTING * (kept[place] - PRIOR_LOOKS) + new
+        return ratios
 
 
 def _finite(numbers: Any) -> Any:

@@ -1,4 +1,4 @@
-"""From labelled scans to a model, and all that is to be said about it."""
+"""From labelled scans to a model, with its errors and with tests of its assumptions."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -6,7 +6,7 @@ from typing import Any
 
 import beltsort
 from beltsort.tables.counts import Counts, count
-from beltsort.tables.independence import REPEAT, Finding, independence
+from beltsort.tables.independence import REPEAT, IndependenceTest, independence
 from beltsort.tables.intervals import (
     WorstRow,
     credible_intervals,
@@ -33,10 +33,10 @@ class Estimate:
     scans
         Number of scans.
     worst
-        The table row that is known least.
+        The table row with the largest standard error.
     missing
         Further objects in each row that would bring every entry of the table to the wanted standard error.
-    findings
+    tests
         Tests of the model's assumptions.
     """
 
@@ -45,7 +45,7 @@ class Estimate:
     scans: int
     worst: WorstRow
     missing: int
-    findings: list[Finding]
+    tests: list[IndependenceTest]
 
     @property
     def smoothing(self) -> float:
@@ -53,9 +53,9 @@ class Estimate:
         return float(self.model.smoothing or 0.0)
 
     def warnings(self) -> list[str]:
-        """Return, in words, what was never seen and which assumptions the scans contradict."""
+        """Return, in words, how many table rows have no object and which assumptions the scans contradict."""
         seen = self.counts.counts.sum(axis=-1)
-        contradicted = [self._warning(finding) for finding in self.findings if finding.p <= SIGNIFICANT]
+        contradicted = [self._warning(test) for test in self.tests if test.p <= SIGNIFICANT]
         if seen.all():
             return contradicted
         never = (
@@ -63,25 +63,25 @@ class Estimate:
         )
         return [never, *contradicted]
 
-    def _warning(self, finding: Finding) -> str:
-        where = " and ".join(str(j + 1) for j in finding.positions)
-        said = f"p = {finding.p:.4f}, {finding.scans} scans"
-        view = self.model.viewpoints[finding.viewpoint]
-        if finding.assumption == REPEAT:
-            repeat = self.counts.repeat()[finding.positions[0], finding.viewpoint]
+    def _warning(self, test: IndependenceTest) -> str:
+        where = " and ".join(str(j + 1) for j in test.positions)
+        details = f"p = {test.p:.4f}, {test.scans} scans"
+        view = self.model.viewpoints[test.viewpoint]
+        if test.assumption == REPEAT:
+            repeat = self.counts.repeat()[test.positions[0], test.viewpoint]
             remedy = "" if self.model.repeat.any() else "; --repeats puts it into the model"
             return (
                 f"position {where} from {view}: two scans of one object agree more often than two objects "
-                f"({finding.excess:+.3f}, {said}); a second look repeats the first with probability "
+                f"({test.excess:+.3f}, {details}); a second look repeats the first with probability "
                 f"{repeat:.2f}{remedy}"
             )
         return (
-            f"positions {where} from {view}: {finding.assumption} depend on each other "
-            f"({finding.excess:+.3f} nats, {said}); the model takes them for independent"
+            f"positions {where} from {view}: {test.assumption} depend on each other "
+            f"({test.excess:+.3f} nats, {details}); the model takes them for independent"
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything as plain data, fit for JSON."""
+        """Return everything as plain data for JSON."""
         lower, upper = credible_intervals(self.counts, self.smoothing)
         return {
             "classes": self.model.classes,
@@ -97,7 +97,7 @@ class Estimate:
             "repeat": [[number_or_none(share) for share in row] for row in self.counts.repeat().tolist()],
             "worst_row": asdict(self.worst),
             "missing_objects": self.missing,
-            "independence": [asdict(finding) for finding in self.findings],
+            "independence": [asdict(test) for test in self.tests],
             "warnings": self.warnings(),
         }
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.image import AxesImage
 
-COLOURS = "cividis"  # its lightness grows evenly: told apart by colour-blind readers and in grey
+COLOURS = "cividis"  # lightness grows evenly: readable for colour-blind readers and in grey
 DARK = 0.55  # below it, text is white
 INCHES = 0.95  # of one entry
 

@@ -2,8 +2,8 @@ r"""Test whether labels are as independent as the model takes them to be.
 
 Three assumptions are tested on labelled scans: given their classes, the labels of two positions do not depend
 on each other; a label does not depend on the class at another position; and two scans of one object from one
-viewpoint agree no more often than scans of two objects of its class. (The third is the paper's; a model with
-`repeat` does without it.)
+viewpoint agree no more often than scans of two objects of its class. (A model with `repeat` does not make the
+third assumption.)
 
 Each test is a permutation test within strata of equal class: under the assumption, labels may be exchanged
 among the scans of a stratum. So its p-values are exact, however few scans there are.
@@ -33,8 +33,8 @@ TWO_LABELS, NEIGHBOUR, REPEAT = "labels of two positions", "label and neighbour'
 
 
 @dataclass(frozen=True)
-class Finding:
-    """What the scans from one viewpoint say about one assumption.
+class IndependenceTest:
+    """The test of one assumption with the scans from one viewpoint.
 
     Attributes
     ----------
@@ -47,10 +47,10 @@ class Finding:
     scans
         Scans, or scanned objects, that were compared.
     excess
-        What the statistic exceeds its mean under independence by, for each scan: information in nats, for
+        By how much the statistic exceeds its mean under independence, per scan: information in nats, for
         `REPEAT` the share of agreements.
     p
-        Probability of such an excess if the assumption holds, Holm-corrected over the findings of this
+        Probability of such an excess if the assumption holds, Holm-corrected over the tests of this
         assumption.
     """
 
@@ -62,38 +62,38 @@ class Finding:
     p: float
 
 
-def independence(scans: Iterable[LabelledScan], seed: int = 0) -> list[Finding]:
+def independence(scans: Iterable[LabelledScan], seed: int = 0) -> list[IndependenceTest]:
     """Test the three assumptions at every viewpoint.
 
     Parameters
     ----------
     scans
-        Labelled scans; those without a label at a position tell nothing about it.
+        Labelled scans; those without a label at a position are not used for it.
     seed
         Of the permutations.
 
     Returns
     -------
     list
-        Findings in the order of assumption, viewpoint and positions; none where nothing can be compared.
+        Tests in the order of assumption, viewpoint and positions, without those that have nothing to compare.
     """
     every = list(scans)
     once = first_of_each_scene(every)
     rng = np.random.default_rng(seed)
     families = [list(_two_labels(once, rng)), list(_neighbour(once, rng)), list(_repeat(every, rng))]
-    return [finding for family in families for finding in holm(family)]
+    return [test for family in families for test in holm(family)]
 
 
-def holm(findings: Sequence[Finding]) -> list[Finding]:
-    """Correct p-values for the number of findings by Holm's step-down procedure."""
-    corrected, least = list(findings), 0.0
-    for rank, i in enumerate(sorted(range(len(findings)), key=lambda i: findings[i].p)):
-        least = max(least, min(1.0, (len(findings) - rank) * findings[i].p))
-        corrected[i] = replace(findings[i], p=least)
+def holm(tests: Sequence[IndependenceTest]) -> list[IndependenceTest]:
+    """Correct p-values for the number of tests by Holm's step-down procedure."""
+    corrected, least = list(tests), 0.0
+    for rank, i in enumerate(sorted(range(len(tests)), key=lambda i: tests[i].p)):
+        least = max(least, min(1.0, (len(tests) - rank) * tests[i].p))
+        corrected[i] = replace(tests[i], p=least)
     return corrected
 
 
-def _two_labels(scans: list[LabelledScan], rng: np.random.Generator) -> Iterator[Finding]:
+def _two_labels(scans: list[LabelledScan], rng: np.random.Generator) -> Iterator[IndependenceTest]:
     for k in _viewpoints(scans):
         for i, j in combinations(_positions(scans), 2):
             rows = [
@@ -101,19 +101,19 @@ def _two_labels(scans: list[LabelledScan], rng: np.random.Generator) -> Iterator
                 for scan in scans
                 if scan.viewpoint == k
             ]
-            yield from _finding(TWO_LABELS, k, (i, j), rows, information, rng)
+            yield from _test(TWO_LABELS, k, (i, j), rows, information, rng)
 
 
-def _neighbour(scans: list[LabelledScan], rng: np.random.Generator) -> Iterator[Finding]:
+def _neighbour(scans: list[LabelledScan], rng: np.random.Generator) -> Iterator[IndependenceTest]:
     for k in _viewpoints(scans):
         for i, j in permutations(_positions(scans), 2):
             rows = [
                 ((scan.true[i],), scan.observed[i], scan.true[j]) for scan in scans if scan.viewpoint == k
             ]
-            yield from _finding(NEIGHBOUR, k, (i, j), rows, information, rng)
+            yield from _test(NEIGHBOUR, k, (i, j), rows, information, rng)
 
 
-def _repeat(scans: list[LabelledScan], rng: np.random.Generator) -> Iterator[Finding]:
+def _repeat(scans: list[LabelledScan], rng: np.random.Generator) -> Iterator[IndependenceTest]:
     seen = list(looks(scans))
     for k in _viewpoints(scans):
         for j in _positions(scans):
@@ -122,7 +122,7 @@ def _repeat(scans: list[LabelledScan], rng: np.random.Generator) -> Iterator[Fin
                 for look in seen
                 if (look.viewpoint, look.position) == (k, j)
             ]
-            yield from _finding(REPEAT, k, (j,), rows, agreements, rng)
+            yield from _test(REPEAT, k, (j,), rows, agreements, rng)
 
 
 def _viewpoints(scans: list[LabelledScan]) -> list[int]:
@@ -133,28 +133,28 @@ def _positions(scans: list[LabelledScan]) -> range:
     return range(len(scans[0].true) if scans else 0)
 
 
-def _finding(
+def _test(
     assumption: str,
     viewpoint: int,
     positions: tuple[int, ...],
     rows: Sequence[tuple[tuple[int | None, ...], int | None, int | None]],
     statistic: Statistic,
     rng: np.random.Generator,
-) -> Iterator[Finding]:
-    """Yield the finding, not corrected yet, if there are two scans to be exchanged."""
+) -> Iterator[IndependenceTest]:
+    """Yield the test, its p-value not corrected yet, if there are two scans to exchange."""
     complete = [row for row in rows if None not in (*row[0], *row[1:])]
     if len(complete) < 2:
         return
     strata = np.unique([row[0] for row in complete], axis=0, return_inverse=True)[1].reshape(-1)
     a, b = (np.array([row[side] for row in complete], dtype=np.int64) for side in (1, 2))
     excess, p = permutation_test(strata, a, b, statistic, rng)
-    yield Finding(assumption, viewpoint, positions, len(complete), excess / len(complete), p)
+    yield IndependenceTest(assumption, viewpoint, positions, len(complete), excess / len(complete), p)
 
 
 def permutation_test(
     strata: Integers, a: Integers, b: Integers, statistic: Statistic, rng: np.random.Generator
 ) -> tuple[float, float]:
-    """Exchange `b` within strata; return the excess of the statistic over its mean, and the p-value.
+    """Permute `b` within strata; return the excess of the statistic over its mean, and the p-value.
 
     Parameters
     ----------
@@ -181,10 +181,10 @@ def permutation_test(
 
 
 def information(tables: Integers) -> float:
-    """Return half the G statistic but for a constant: the margins, which permutations leave as they are."""
+    """Return half the G statistic up to a constant: permutations do not change the margins."""
     return float(xlogy(tables, tables).sum())
 
 
 def agreements(tables: Integers) -> float:
-    """Return how many pairs agree."""
+    """Return the number of pairs that agree."""
     return float(np.einsum("sii->", tables))

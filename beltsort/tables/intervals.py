@@ -1,4 +1,4 @@
-"""How well a table is known: standard errors, credible intervals, and what more objects would bring.
+"""The statistical error of a table: standard errors, credible intervals, and how many objects are needed.
 
 Each row has a Dirichlet posterior, the symmetric prior of `Counts.probabilities` plus the counts; each entry
 of it has a Beta distribution.
@@ -55,8 +55,8 @@ class WorstRow:
     objects
         Objects counted in it.
     missing
-        Further objects that would bring all of its entries to the wanted error, if their shares stay what
-        they are; at most shares of one half are asked for more.
+        Further objects after which all of its entries would have at most the wanted error, if the
+        probabilities stay as estimated.
     """
 
     position: int
@@ -68,14 +68,14 @@ class WorstRow:
 
 
 def worst_row(counts: Counts, smoothing: float, wanted: float) -> WorstRow:
-    """Return the row that needs most.
+    """Return the row with the largest standard error.
 
     Parameters
     ----------
     counts, smoothing
         As in `standard_errors`.
     wanted
-        The standard error that every entry shall have at most.
+        The largest standard error that an entry may have.
 
     Raises
     ------

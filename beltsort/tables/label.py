@@ -33,8 +33,8 @@ def label_recording(
     workers, progress
         As in `collect_counts`.
     log
-        Keeps each label as soon as it is known. Scans are recognised by what their clouds hold, so a truth
-        that is corrected in the manifest costs no scan.
+        Keeps each label as soon as it is known. Scans are recognised by the content of their clouds and their
+        poses, so correcting a class in the manifest needs no scan to be labelled again.
 
     Raises
     ------
@@ -52,7 +52,13 @@ def label_recording(
         )
     log = log or LabelLog()
     keys = [_key(recording.folder, scan) for scan in recording.scans]
-    _refuse_copies(keys, recording)
+    files: dict[str, str] = {}
+    for key, scan in zip(keys, recording.scans, strict=True):
+        if files.setdefault(key, scan.file) != scan.file:
+            raise RecordingError(
+                f"{scan.file} and {files[key]} in {recording.folder} are one scan under two names, which "
+                f"would count twice: delete one line of {MANIFEST}"
+            )
     label_missing(
         partial(_labelled, recording.folder, recording.header.layout, database),
         list(zip(keys, recording.scans, strict=True)),
@@ -69,19 +75,9 @@ def label_recording(
 
 
 def _key(folder: Path, scan: RecordedScan) -> str:
-    """Name a scan by all that its labels depend on."""
+    """Return a hash of everything that the labels of a scan depend on."""
     content = (folder / scan.file).read_bytes()
     return hashlib.sha256(content + scan.world_from_camera.tobytes()).hexdigest()
-
-
-def _refuse_copies(keys: list[str], recording: Recording) -> None:
-    files: dict[str, str] = {}
-    for key, scan in zip(keys, recording.scans, strict=True):
-        if files.setdefault(key, scan.file) != scan.file:
-            raise RecordingError(
-                f"{scan.file} and {files[key]} in {recording.folder} are one scan under two names, which "
-                f"would count twice: delete one line of {MANIFEST}"
-            )
 
 
 def _labelled(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.tables.counts import Counts
-from beltsort.tables.independence import Finding
+from beltsort.tables.independence import IndependenceTest
 from beltsort.tables.intervals import credible_intervals
 
 Array = NDArray[np.float64]
@@ -93,15 +93,15 @@ def intervals_text(
     return _text("95 % credible intervals", ["position", "true", "view", *classes], rows)
 
 
-def findings_text(findings: Sequence[Finding], viewpoints: Sequence[str]) -> str:
-    """Return what the tests of independence say, a row for each finding."""
+def independence_text(tests: Sequence[IndependenceTest], viewpoints: Sequence[str]) -> str:
+    """Return the tests of independence as a table, a row for each."""
     rows = [
         [
-            finding.assumption, viewpoints[finding.viewpoint],
-            ", ".join(str(j + 1) for j in finding.positions), str(finding.scans),
-            f"{finding.excess:+.3f}", f"{finding.p:.4f}",
+            test.assumption, viewpoints[test.viewpoint],
+            ", ".join(str(j + 1) for j in test.positions), str(test.scans),
+            f"{test.excess:+.3f}", f"{test.p:.4f}",
         ]
-        for finding in findings
+        for test in tests
     ]  # fmt: skip
     header = ["assumed independent", "view", "positions", "scans", "excess", "p"]
     return _text("tests of independence given the classes", header, rows)

@@ -1,4 +1,4 @@
-"""Labels of scans, kept on the disk as soon as they are known: a collection counts no scan twice."""
+"""Labels of scans, written to disk as soon as they are known, so that interrupted work resumes."""
 
 from collections.abc import Callable, Sequence
 from typing import TypeAlias, TypeVar
@@ -55,7 +55,7 @@ def label_missing(
     work
         The pieces.
     keys
-        Names the scans of a piece.
+        Returns the keys of the scans of a piece.
     log
         Where the labels go.
     workers, progress

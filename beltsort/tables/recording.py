@@ -1,4 +1,4 @@
-"""Recorded scans with their truth: a folder that tables are estimated from without a robot.
+"""Recorded scans with their true classes: a folder that tables are estimated from without a robot.
 
 `cell.json` names what is the same for all scans:
 
@@ -151,12 +151,12 @@ def read_manifest(folder: Path, header: Header) -> tuple[RecordedScan, ...]:
         lines = path.read_text().splitlines()
     except (OSError, UnicodeDecodeError) as reason:
         raise RecordingError(f"cannot read {path}: {reason}; expected one line of JSON per scan") from reason
-    reader = _Reader(path, header)
+    reader = _ManifestReader(path, header)
     return tuple(reader.scan(number, line) for number, line in enumerate(lines, start=1) if line.strip())
 
 
-class _Reader:
-    """Reads the lines of one manifest, and remembers what must not contradict itself."""
+class _ManifestReader:
+    """Reads the lines of one manifest, and checks each against those before it."""
 
     def __init__(self, path: Path, header: Header) -> None:
         self.path, self.header = path, header
@@ -169,10 +169,10 @@ class _Reader:
         try:
             row = json.loads(text)
         except ValueError as reason:
-            raise self.refusal(f"no JSON ({reason})", "delete it, or record its scan again") from reason
+            raise self.error(f"no JSON ({reason})", "delete it, or record its scan again") from reason
         if not isinstance(row, dict) or row.keys() != set(KEYS):
             given = sorted(row) if isinstance(row, dict) else row
-            raise self.refusal(f"keys are {given}, expected {sorted(KEYS)}", "correct the line")
+            raise self.error(f"keys are {given}, expected {sorted(KEYS)}", "correct the line")
         return RecordedScan(
             self.file(row["file"]),
             self.index(row["viewpoint"], self.header.viewpoints, "viewpoint"),
@@ -182,9 +182,9 @@ class _Reader:
 
     def file(self, file: object) -> str:
         if not isinstance(file, str) or not file:
-            raise self.refusal(f"file is {file!r}, expected a path inside the folder", "correct the line")
+            raise self.error(f"file is {file!r}, expected a path inside the folder", "correct the line")
         if file in self.line_of:
-            raise self.refusal(
+            raise self.error(
                 f"{file} is listed already in line {self.line_of[file]}", "delete one of the lines"
             )
         self.line_of[file] = self.line
@@ -194,7 +194,7 @@ class _Reader:
         positions = self.header.layout.positions
         for what, given in (("classes", classes), ("objects", objects)):
             if not isinstance(given, list) or len(given) != positions:
-                raise self.refusal(
+                raise self.error(
                     f"{what} are {given}, expected {positions} entries", "give null where none stood"
                 )
         true = tuple(
@@ -204,23 +204,23 @@ class _Reader:
             self.check_object(label, name)
         names = [name for name in objects if name is not None]
         if len(set(names)) < len(names):
-            raise self.refusal(f"objects are {objects}, one at two positions", "name every object")
+            raise self.error(f"objects are {objects}, one at two positions", "name every object")
         return true, tuple(objects)
 
     def check_object(self, label: int | None, name: object) -> None:
         if (label is None) != (name is None) or not isinstance(name, str | None):
-            raise self.refusal(f"an object of class {label} is named {name!r}", "give both, or null for both")
+            raise self.error(f"an object of class {label} is named {name!r}", "give both, or null for both")
         if label is None or name is None:
             return
         earlier = self.class_of.setdefault(name, label)
         if earlier != label:
             two = f"{self.header.classes[earlier]} and {self.header.classes[label]}"
-            raise self.refusal(f"object {name!r} is said to be {two}", "give every object its own name")
+            raise self.error(f"object {name!r} has the classes {two}", "give every object its own name")
 
     def index(self, name: object, names: Sequence[str], what: str) -> int:
         if name in names:
             return names.index(str(name))
-        raise self.refusal(
+        raise self.error(
             f"there is no {what} {name!r}; {nearest_of(str(name), names)}",
             f"correct the line, or add the name to {HEADER}",
         )
@@ -232,10 +232,10 @@ class _Reader:
             pose = np.empty(0)
         rigid = pose.shape == (4, 4) and np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-3)
         if not rigid or not np.isfinite(pose).all():
-            raise self.refusal(
+            raise self.error(
                 f"world_from_camera is {given}, expected a rigid (4, 4) transform, metres", "correct it"
             )
         return pose
 
-    def refusal(self, problem: str, remedy: str) -> RecordingError:
+    def error(self, problem: str, remedy: str) -> RecordingError:
         return RecordingError(f"{self.path}, line {self.line}: {problem}; {remedy}")

@@ -8,7 +8,7 @@ from beltsort.tables.counts import Look
 
 @dataclass(frozen=True)
 class LabelledScan:
-    """What one scan said, beside the truth.
+    """The labels of one scan, with the true classes.
 
     Attributes
     ----------

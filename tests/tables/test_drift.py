@@ -87,18 +87,18 @@ def test_a_classifier_that_is_wrong_but_sure_is_noticed() -> None:
     assert np.median(delays) < 100
 
 
-def test_the_stakes_are_fair() -> None:
+def test_the_evidence_is_a_martingale() -> None:
     table = np.array([[[[0.7, 0.3], [0.4, 0.6]]]])
     model = SortingModel(["nut", "bolt"], ["above"], table, arrival=[0.3, 0.7])
-    mean = 0.0  # of the wealth after six looks, over all that they may say
+    mean = 0.0  # of the evidence after six looks, over all their possible labels
     for labels in np.ndindex(*[2] * 6):
         watch, belief, probability = DriftWatch(model, false_alarm=1e-9), Belief(model), 1.0
         for label in labels:
             probability *= belief.label_probabilities(0)[0, label]
             watch.observe(belief, 0, [label])
             belief.observe(0, [label])
-        gambler = watch._gamblers[0, 0]
-        mean += probability * (gambler.at_stake.mean() + 1.0 / (gambler.looks + 1))
+        test = watch._tests[0, 0]
+        mean += probability * (test.at_stake.mean() + 1.0 / (test.looks + 1))
     assert mean == pytest.approx(1.0, abs=1e-12)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from beltsort.tables import independence as module
-from beltsort.tables.independence import NEIGHBOUR, REPEAT, TWO_LABELS, Finding, holm, independence
+from beltsort.tables.independence import NEIGHBOUR, REPEAT, TWO_LABELS, IndependenceTest, holm, independence
 from beltsort.tables.scans import LabelledScan
 
 CLASSES = 3
@@ -39,8 +39,8 @@ def scans(
     return drawn
 
 
-def smallest(findings: list[Finding], assumption: str) -> float:
-    return min(finding.p for finding in findings if finding.assumption == assumption)
+def smallest(tests: list[IndependenceTest], assumption: str) -> float:
+    return min(test.p for test in tests if test.assumption == assumption)
 
 
 @pytest.mark.parametrize(
@@ -48,13 +48,13 @@ def smallest(findings: list[Finding], assumption: str) -> float:
 )
 def test_what_depends_is_found(broken: str, assumption: str) -> None:
     shares: dict[str, float] = {broken: 0.3}
-    findings = independence(scans(0, 200, **shares))
-    found = [finding for finding in findings if finding.assumption == assumption]
+    tests = independence(scans(0, 200, **shares))
+    found = [test for test in tests if test.assumption == assumption]
     assert len(found) == {TWO_LABELS: 2, NEIGHBOUR: 4, REPEAT: 4}[assumption]
-    assert smallest(findings, assumption) < 0.01
-    assert max(finding.excess for finding in found) > 0.04
+    assert smallest(tests, assumption) < 0.01
+    assert max(test.excess for test in found) > 0.04
     for other in {TWO_LABELS, NEIGHBOUR, REPEAT} - {assumption}:
-        assert smallest(findings, other) > 0.01
+        assert smallest(tests, other) > 0.01
 
 
 @pytest.mark.slow
@@ -62,7 +62,7 @@ def test_independence_is_rarely_rejected(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(module, "PERMUTATIONS", 99)
     runs = [independence(scans(seed, objects=20), seed) for seed in range(100)]
     for assumption in (TWO_LABELS, NEIGHBOUR, REPEAT):
-        rejected = sum(smallest(findings, assumption) <= 0.05 for findings in runs)
+        rejected = sum(smallest(tests, assumption) <= 0.05 for tests in runs)
         assert rejected <= 12  # of 100 at 0.05; more with probability 0.0015
 
 
@@ -80,10 +80,10 @@ def test_p_is_exact_where_all_permutations_can_be_counted() -> None:
         for label in range(2)
         for _ in range(2)
     ]
-    (finding,) = independence(drawn)
-    assert (finding.assumption, finding.scans, finding.positions) == (REPEAT, 8, (0,))
-    assert finding.p == pytest.approx(1 / 16, abs=0.022)  # four standard errors
-    assert finding.excess == pytest.approx(0.5, abs=0.02)
+    (test,) = independence(drawn)
+    assert (test.assumption, test.scans, test.positions) == (REPEAT, 8, (0,))
+    assert test.p == pytest.approx(1 / 16, abs=0.022)  # four standard errors
+    assert test.excess == pytest.approx(0.5, abs=0.02)
 
 
 def test_scans_without_labels_tell_nothing() -> None:
@@ -93,5 +93,5 @@ def test_scans_without_labels_tell_nothing() -> None:
 
 
 def test_holm() -> None:
-    findings = [Finding(REPEAT, k, (0,), 10, 0.1, p) for k, p in enumerate([0.04, 0.01, 0.03, 0.8])]
-    assert [finding.p for finding in holm(findings)] == pytest.approx([0.09, 0.04, 0.09, 0.8])
+    tests = [IndependenceTest(REPEAT, k, (0,), 10, 0.1, p) for k, p in enumerate([0.04, 0.01, 0.03, 0.8])]
+    assert [test.p for test in holm(tests)] == pytest.approx([0.09, 0.04, 0.09, 0.8])
