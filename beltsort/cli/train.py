@@ -93,7 +93,7 @@ def run(arguments: Namespace) -> int:
     table = confusion(database.labels, answers, database.classes)
     database.save(arguments.output)
     if arguments.figure is not None:
-        from beltsort.perception.confusion_figure import draw_confusion
+        from beltsort.perception.confusion import draw_confusion
 
         draw_confusion(table, arguments.figure)
     if arguments.json:

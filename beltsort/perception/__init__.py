@@ -5,11 +5,10 @@ from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.clouds import read_cloud
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.confusion import Confusion, confusion
-from beltsort.perception.descriptor import describe
+from beltsort.perception.descriptor import describe, oriented_normals
 from beltsort.perception.finding import Finding
 from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold
 from beltsort.perception.nearest import NearestNeighbour
-from beltsort.perception.normals import oriented_normals
 from beltsort.perception.pipeline import Perceived, Perception
 from beltsort.perception.segment import Segmented, segment
 from beltsort.perception.training import Trained, train_from_clouds

@@ -1,4 +1,4 @@
-"""What is given as an array, made one; what is given in millimetres, told."""
+"""Conversion of arguments to arrays, and a warning about lengths that are not in metres."""
 
 import warnings
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a classifier is: a candidate in, a label and scores out."""
+"""The protocol of classifiers: from a candidate to a label and scores."""
 
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -14,18 +14,18 @@ Scores = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """The answer for one candidate.
+    """The classification of one candidate.
 
     Attributes
     ----------
     label
-        Class index, or None: like none of the classes.
+        Class index, or None if the candidate is rejected: too unlike all classes.
     scores
-        How much speaks for each class, shape (L,); the larger, the more. `NearestNeighbour` gives shares of
-        votes, a network may give probabilities.
+        Score of each class, shape (L,); larger is better. `NearestNeighbour` returns shares of votes, a
+        network may return probabilities.
     distances
-        Distance to what is known of each class, shape (L,), infinite if nothing is; None from a classifier
-        that measures none.
+        Distance to the nearest training example of each class, shape (L,), infinite if it has none; None from
+        a classifier without distances.
 
     Examples
     --------
@@ -39,7 +39,7 @@ class Match:
     distances: Scores | None = None
 
     def __post_init__(self) -> None:
-        """Refuse scores that are none, and a label without a score."""
+        """Refuse scores that are not finite and labels without a score."""
         shape = np.shape(self.scores)
         if len(shape) != 1 or shape[0] == 0 or not np.isfinite(self.scores).all():
             raise beltsort.ArgumentError(
@@ -69,7 +69,7 @@ class Match:
 
     @property
     def runner_up(self) -> float | None:
-        """Distance to the second class, infinite if there is none. Near `distance` means doubt."""
+        """Distance to the second-best class, infinite if there is none; close to `distance` if in doubt."""
         return self._ranked_distance(1)
 
     def _ranked_distance(self, rank: int) -> float | None:
@@ -78,7 +78,7 @@ class Match:
         return float(self.distances[self.ranking[rank]]) if rank < len(self.scores) else np.inf
 
     def within(self, reject: float | None) -> "Match":
-        """Return the answer without a label if the distance is above `reject`."""
+        """Return the classification, without its label if the distance is above `reject`."""
         if reject is None or self.distance is None or self.distance <= reject:
             return self
         return replace(self, label=None)
@@ -105,7 +105,7 @@ class Classifier(Protocol):
         """Names of the classes; a label is an index into them."""
 
     def classify(self, points: Points, camera: Points) -> Match:
-        """Return the answer for one candidate.
+        """Classify one candidate.
 
         Parameters
         ----------

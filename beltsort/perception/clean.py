@@ -1,4 +1,4 @@
-"""From the raw points of one object to evenly spaced ones without strays."""
+"""Voxel averages, outlier removal and clustering of the points of one object."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def voxel_means(points: Points, voxel: float) -> Points:
 
 
 def without_outliers(points: Points, config: PerceptionConfig) -> Points:
-    """Return the points that are not farther from their neighbours than is usual, shape (m, 3)."""
+    """Return the points without statistical outliers (see `PerceptionConfig`), shape (m, 3)."""
     import open3d as o3d
 
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
@@ -31,7 +31,7 @@ def without_outliers(points: Points, config: PerceptionConfig) -> Points:
 
 
 def main_clusters(points: Points, config: PerceptionConfig) -> Points:
-    """Return the largest cluster and those not much smaller, shape (m, 3); m = 0 if even it is too small."""
+    """Return the largest cluster and those not much smaller, shape (m, 3); m = 0 if all are too small."""
     cluster = _core.clusters(points, config.cluster_gap)
     sizes = np.bincount(cluster, minlength=1)
     if sizes.max() < config.fewest_seen:

@@ -1,4 +1,4 @@
-"""The file of a database: a .npz without pickled objects, of which nothing is believed before it is checked.
+"""The file of a database: a .npz without pickled objects, checked before it is used.
 
 A member is read only if the sizes that the archive and the array's header declare agree and are within
 bounds, so a damaged or hostile file cannot make memory overflow.
@@ -33,7 +33,7 @@ def write_database(
     labels: NDArray[np.int64],
     header: Mapping[str, Any],
 ) -> None:
-    """Write descriptors, shape (n, 308), labels, shape (n,), and what is JSON beside them.
+    """Write descriptors, shape (n, 308), labels, shape (n,), and a header that is written as JSON.
 
     Raises
     ------

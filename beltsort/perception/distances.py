@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Values = NDArray[np.float64]
 
-BLOCK = 256  # descriptors at a time: what is computed of them stays in the processor's cache
+BLOCK = 256  # descriptors at a time, so that intermediate results stay in the processor's cache
 
 
 @dataclass(frozen=True)
@@ -25,15 +25,15 @@ class Distance:
     Attributes
     ----------
     term
-        What a bin adds, from the stored and the (positive) asked value.
-    lone
-        The same where the asked value is 0; most bins of a descriptor are.
+        What a bin adds, from the stored value and the (positive) value of the query.
+    term_at_zero
+        The same where the query's value is 0, as in most bins of a descriptor.
     finish
-        From the sum to the distance.
+        Converts the sum to the distance.
     """
 
     term: Callable[[Values, Values], Values]
-    lone: Callable[[Values], Values]
+    term_at_zero: Callable[[Values], Values]
     finish: Callable[[Values], Values]
 
 
@@ -74,11 +74,11 @@ def distances_to(name: str, bins: Values, histogram: Values) -> Values:
     [[1.0, 7.0], [2.0, 7.0], [2.0, 5.0]]
     """
     distance = DISTANCES[name]
-    filled, asked = np.flatnonzero(histogram > 0.0), histogram[histogram > 0.0, None]
+    filled, values = np.flatnonzero(histogram > 0.0), histogram[histogram > 0.0, None]
     empty = np.flatnonzero(histogram == 0.0)
     sums = np.empty(bins.shape[1])
     for start in range(0, len(sums), BLOCK):
         block = bins[:, start : start + BLOCK]
-        sums[start : start + BLOCK] = distance.term(block[filled], asked).sum(axis=0)
-        sums[start : start + BLOCK] += distance.lone(block[empty]).sum(axis=0)
+        sums[start : start + BLOCK] = distance.term(block[filled], values).sum(axis=0)
+        sums[start : start + BLOCK] += distance.term_at_zero(block[empty]).sum(axis=0)
     return distance.finish(sums)

@@ -1,4 +1,4 @@
-"""What can come of looking for one object."""
+"""What a scan can show of one belt position."""
 
 from enum import StrEnum
 

@@ -1,4 +1,4 @@
-"""How good a database is on its own entries: each one classified by all the others.
+"""Leave-one-out classification: each entry of a database classified by all the others.
 
 Views of one object, or parts of one scan, are near each other: on objects that it has never seen, a database
 errs more often than here.
@@ -17,14 +17,14 @@ PERCENTILE = 99.0
 
 
 def leave_one_out(database: NearestNeighbour) -> list[Match]:
-    """Return the answer for every entry by all the others.
+    """Classify every entry by all the others.
 
     Memory grows with their number, time with its square.
 
     Raises
     ------
     DatabaseError
-        If there is but one entry.
+        If there is only one entry.
 
     Examples
     --------
@@ -49,8 +49,8 @@ def rejection_threshold(
 ) -> float | None:
     """Return a distance that only the farthest of a class's own entries exceed.
 
-    It is an observed one, so below 100 entries none exceeds it. New objects do more often, the fewer entries
-    there are and the more these resemble each other.
+    It is an observed distance, so with fewer than 100 entries none exceeds it. New objects exceed it more
+    often, the fewer entries there are and the more similar these are.
 
     Parameters
     ----------
@@ -59,8 +59,8 @@ def rejection_threshold(
     left_out
         What `leave_one_out` returned for it.
     percentile
-        So many of 100 entries lie within it of another entry of their class. Low, and known objects go
-        without a label; high, and unknown ones get one.
+        Percentage of entries that lie within the threshold of another entry of their class. If it is low,
+        more known objects are rejected; if it is high, more unknown ones get a label.
 
     Returns
     -------
@@ -81,6 +81,6 @@ def rejection_threshold(
 def with_rejection(
     database: NearestNeighbour, left_out: list[Match], reject: float | None
 ) -> tuple[NearestNeighbour, list[Match]]:
-    """Return the same database with a rejection threshold, and what leaving one out then gives."""
+    """Return the same database with a rejection threshold, and the leave-one-out classifications with it."""
     labelled = [replace(match, label=match.ranking[0]) for match in left_out]
     return replace(database, reject=reject), [match.within(reject) for match in labelled]

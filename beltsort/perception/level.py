@@ -1,8 +1,7 @@
-"""The camera's pose, corrected by the belt it sees.
+"""Correction of the camera's pose by the belt plane that a scan shows.
 
 The belt is the plane z = 0 of the world. An arm's error of 0.5 degrees lifts a rim 0.7 m away by 6 mm, more
-than the margin between rim and object; the seen belt takes out height and tilt. It says nothing about x, y
-and heading.
+than the margin between rim and object. The visible belt corrects height and tilt, but not x, y and heading.
 """
 
 import numpy as np
@@ -12,7 +11,7 @@ from beltsort.geometry import Points, Pose, transform
 
 SAMPLES = 20_000
 BANDS = (0.03, 0.008, 0.005)  # metres about the plane found so far; each pass fits what lies inside
-REACH = 10.0  # metres from the belt end; what lies farther is no belt, and would spoil the fit's condition
+REACH = 10.0  # metres from the belt end; farther points are not the belt, and make the fit ill-conditioned
 NOISE = 0.003  # metres
 PRIOR_HEIGHT = 0.01  # metres
 PRIOR_SLOPE = 0.02  # metres per metre
@@ -23,7 +22,7 @@ def levelled(points: Points, world_from_camera: Pose) -> Pose:
 
     The plane z = a x + b y + c minimises the squared residuals of the points near it plus the squares of
     a, b, c over those of the expected pose errors: little or no visible belt leaves the reported pose.
-    Narrowing bands shed the cups' walls.
+    The bands get narrower, so that the walls of cups are left out.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ from beltsort.perception.vfh import LENGTH, Histogram
 
 @dataclass(frozen=True, eq=False)
 class NearestNeighbour:
-    """The class that most of the `k` nearest training descriptors have; of several, the one with the nearest.
+    """k-nearest-neighbour classifier of descriptors; ties go to the class with the nearest descriptor.
 
     A score is a class's share of these `k` votes.
 
@@ -38,7 +38,7 @@ class NearestNeighbour:
     distance
         `chi2`, `l1` or `l2`, see `beltsort.perception.distances`.
     k
-        Number of neighbours that vote. Many outvote a stray entry, and also a class with few entries.
+        Number of neighbours that vote. Many outvote an outlier, but also a class with few entries.
     reject
         A candidate gets no label if every entry of the winning class is farther away than this; None: it
         always gets one. `rejection_threshold` finds a value.
@@ -65,7 +65,7 @@ class NearestNeighbour:
     reject: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what is no database."""
+        """Refuse arrays, classes and settings that do not fit together."""
         self._check_arrays()
         self._check_classes()
         self._check_settings()

@@ -13,7 +13,7 @@ from beltsort.perception.segment import DepthScan, segment
 
 @dataclass(frozen=True, eq=False)
 class Perceived:
-    """What one scan says about one belt position.
+    """What one scan shows of one belt position.
 
     Attributes
     ----------
@@ -22,9 +22,9 @@ class Perceived:
     points
         The candidate, shape (n, 3), world frame, metres; None if there is none.
     label
-        Class index, or None: there is nothing to label, or the classifier knows nothing like it.
+        Class index, or None: there is nothing to label, or the classifier rejects it.
     distance, runner_up
-        As in `Match`; None where nothing was classified, or by a classifier that measures none.
+        As in `Match`; None where nothing was classified, or from a classifier without distances.
     finding
         What was found, or why nothing was.
     """

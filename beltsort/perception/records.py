@@ -1,8 +1,8 @@
 """Point records behind a header: PCD and PLY files.
 
-Read here and not by Open3D, which fills up truncated text and PLY files with zeros or uninitialised memory,
-only prints a warning, and allocates whatever a header promises. Here a promise is held against the bytes
-that are there before anything is allocated for it.
+Open3D is not used for it: it fills up truncated text and PLY files with zeros or uninitialised memory, only
+prints a warning, and allocates whatever size a header declares. Here declared sizes are compared with the
+bytes that are there before memory is allocated.
 """
 
 from dataclasses import dataclass
@@ -27,14 +27,14 @@ Columns = dict[str, NDArray[np.generic]]
 
 @dataclass(frozen=True)
 class Table:
-    """What a header promises: `count` records of `record` at the start of `body`."""
+    """What a header declares: `count` records of type `record` at the start of `body`."""
 
     record: np.dtype[np.void]
     count: int
     body: memoryview
 
     def __post_init__(self) -> None:
-        """Refuse records that are no points."""
+        """Refuse records without coordinates."""
         names = self.record.names or ()
         if not {"x", "y", "z"} <= set(names):
             raise ValueError(f"the fields are {names}, expected x, y and z among them")
@@ -75,7 +75,7 @@ def parse_ply(data: bytes) -> Points:
 
 
 def expect(found: int, promised: int, what: str) -> None:
-    """Refuse a file that holds less than its header promises."""
+    """Raise a `ValueError` if a file holds less than its header declares."""
     if found < promised:
         raise ValueError(f"{found} {what} of data where the header promises {promised}")
 

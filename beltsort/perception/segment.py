@@ -14,7 +14,7 @@ from beltsort.perception.clean import main_clusters, several_objects, voxel_mean
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.finding import Finding
 from beltsort.perception.level import levelled
-from beltsort.perception.sight import crossings, image_border, share_seen, touch
+from beltsort.perception.visibility import crossings, image_border, share_seen, touch
 
 MOST_POINTS = 4_000_000  # more than a depth camera's; beyond, evenly thinned, so that memory is bounded
 PLAUSIBLE_DISTANCES = (0.02, 20.0)  # metres from the camera
@@ -22,7 +22,7 @@ SAMPLES = 1000
 
 
 class DepthScan(Protocol):
-    """What segmentation needs to know of a scan."""
+    """What segmentation reads of a scan."""
 
     @property
     def points(self) -> Points:
@@ -98,7 +98,7 @@ def segment(scan: DepthScan, layout: BeltLayout, config: PerceptionConfig | None
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A scan laid flat on the belt.
+    """A scan whose camera pose is corrected by the belt that it shows.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class View:
 
     @classmethod
     def of(cls, scan: DepthScan, layout: BeltLayout, config: PerceptionConfig) -> "View":
-        """Check a scan and find the belt in it; raises what `segment` does."""
+        """Check a scan and correct its pose; raises what `segment` does."""
         image = _checked(scan)
         points = image.reshape(-1, 3)
         points = points[:: 1 + len(points) // MOST_POINTS]
@@ -127,7 +127,7 @@ class View:
 
     @property
     def base(self) -> float:
-        """What lies below is cup or belt, metres above the belt."""
+        """Height above the belt, metres, below which points belong to cups or belt."""
         return self.layout.rim_height + self.config.rim_clearance
 
     @cached_property
@@ -142,12 +142,12 @@ class View:
 
     @cached_property
     def above(self) -> Points:
-        """The points between rim and top of the crop, world frame; what is not finite never passes."""
+        """The finite points between rim and top of the crop, shape (n, 3), world frame."""
         return self._between(self.points, self.height)
 
     @cached_property
     def passed(self) -> Points:
-        """Where lines of sight to cups and belt pass the plane of the rims, shape (m, 2), world frame."""
+        """Where lines of sight to cups and belt cross the height of the rims, shape (m, 2), world frame."""
         return crossings(self.points, self.height, self.world_from_camera, self.base)
 
     def cropped(self, position: int) -> Points:
@@ -162,7 +162,7 @@ class View:
         return main_clusters(without_outliers(voxels, self.config), self.config)
 
     def finding(self, position: int, candidate: Points) -> Finding:
-        """Say what the candidate of one position is."""
+        """Return what a scan shows of one position, given its candidate, shape (n, 3)."""
         if len(candidate) == 0:
             centre = self.layout.centre(position)[:2]
             seen = share_seen(self.passed, centre, self.layout.rim_radius)

@@ -22,7 +22,7 @@ LARGEST_OBJECT = 2.0  # metres; a cloud beyond it is in other units, or a whole 
 
 @dataclass(frozen=True, eq=False)
 class Trained:
-    """A database and what it was made of.
+    """A database and the files it was trained on.
 
     Attributes
     ----------
@@ -108,7 +108,11 @@ def train_from_clouds(
     files, skipped = [], []
     for file in training_files(folder):
         try:
-            name = _class_name(file, folder)
+            name = class_folder(file, folder)
+            if name is None:
+                raise CloudError(
+                    "it lies in no sub-folder, expected one for each class: move it into its class's"
+                )
             rows.append(describe(read_candidate(file, config), viewpoint, config))
         except CloudError as reason:
             skipped.append(Skipped(file, str(reason)))
@@ -119,10 +123,3 @@ def train_from_clouds(
     labels = [classes.index(name) for name in names]
     database = NearestNeighbour.train(rows, labels, classes, config, distance=distance, k=k)
     return Trained(database, tuple(files), tuple(skipped))
-
-
-def _class_name(file: Path, folder: str | PathLike[str]) -> str:
-    name = class_folder(file, folder)
-    if name is None:
-        raise CloudError("it lies in no sub-folder, expected one for each class: move it into its class's")
-    return name

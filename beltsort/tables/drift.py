@@ -101,7 +101,7 @@ class DriftWatch:
 
     What it tests is the whole model: tables, arrival prior, and `repeat`. A class mix other than the arrival
     prior is drift, too. Labels that agree more often than predicted raise no alarm by themselves. An alarm
-    names where labels were unlikely; a wrong table spoils the beliefs, so other places may raise alarms as well.
+    names where labels were unlikely; a wrong table spoils the beliefs, so others may raise alarms as well.
     Tables estimated from few objects are wrong from the start and cause alarms: with a false-alarm
     probability of 0.05, 1500 scans raised an alarm in 5 of 60 runs with tables of 100 objects a row, in 47 of
     60 with tables of 20.

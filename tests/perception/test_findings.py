@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from beltsort.geometry import BeltLayout, look_at
 from beltsort.perception import Finding, PerceptionConfig, segment
-from beltsort.perception.sight import crossings, image_border, share_seen, touch
+from beltsort.perception.visibility import crossings, image_border, share_seen, touch
 from beltsort.sim import ArmErrors, CellConfig, SensorNoise, SimulatedCell
 from tests.laws import cases
 from tests.perception.belt_scene import Scene, SyntheticScan

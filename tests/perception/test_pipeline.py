@@ -11,7 +11,7 @@ import pytest
 from beltsort.errors import CloudError, DatabaseError
 from beltsort.geometry import BeltLayout, on_sphere
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig, describe, segment
-from beltsort.perception.normals import oriented_normals
+from beltsort.perception.descriptor import oriented_normals
 from tests.perception.belt_scene import Scene
 
 LAYOUT = BeltLayout()

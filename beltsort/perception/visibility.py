@@ -1,4 +1,4 @@
-"""What the camera could not see: hidden cups, and objects that reach the edge of the image."""
+"""What the camera sees of cups, and whether an object reaches the edge of the image."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,11 +6,11 @@ from numpy.typing import NDArray
 from beltsort.geometry import Points, Pose
 
 EDGE = 2  # pixels
-CELLS = 4  # to a radius
+CELLS = 4  # grid cells per radius of a disc
 
 
 def crossings(points: Points, height: NDArray[np.float64], world_from_camera: Pose, level: float) -> Points:
-    """Return where the lines of sight that end below `level` pass it, shape (m, 2), world x and y.
+    """Return where lines of sight that end below `level` cross that height, shape (m, 2), world x and y.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def crossings(points: Points, height: NDArray[np.float64], world_from_camera: Po
     world_from_camera
         The camera's pose, shape (4, 4).
     level
-        Metres above the belt; a camera below it sees nothing from above.
+        Metres above the belt. A camera below it gives m = 0.
     """
     eye = world_from_camera[:3, 3]
     if eye[2] <= level:
@@ -34,12 +34,12 @@ def crossings(points: Points, height: NDArray[np.float64], world_from_camera: Po
 
 
 def share_seen(passed: Points, centre: Points, radius: float) -> float:
-    """Return the share of a disc's cells, `CELLS` to its radius, through which a line of sight passed.
+    """Return the share of a disc that lines of sight cross, counted on a grid of `CELLS` cells per radius.
 
     Parameters
     ----------
     passed
-        Where lines of sight pass the disc's plane, shape (m, 2).
+        Where lines of sight cross the disc's plane, shape (m, 2).
     centre
         Of the disc, shape (2,).
     radius
@@ -55,7 +55,7 @@ def share_seen(passed: Points, centre: Points, radius: float) -> float:
 
 
 def image_border(points: Points) -> Points:
-    """Return the outermost `EDGE` pixels of an image, shape (n, 3); none of what is no image."""
+    """Return the outermost `EDGE` pixels, shape (n, 3); n = 0 if the points are not an organised image."""
     if points.ndim < 3 or min(points.shape[:2]) <= 2 * EDGE:
         return np.empty((0, 3))
     bands = points[:EDGE], points[-EDGE:], points[:, :EDGE], points[:, -EDGE:]
