@@ -105,13 +105,13 @@ def reach_of(arguments: Namespace) -> dict[str, Any]:
     arm = arm_of(arguments)
     if arm is None:
         return {}
-    from beltsort.viewpoints.memory import RememberingArm
+    from beltsort.viewpoints.reach_cache import CachedArm
 
     x, y, z, yaw = arm.base
     note = (
         f"{arguments.robot or arm.urdf.name}, camera at {arm.tip}, base at {x:g}, {y:g}, {z:g} m, yaw {yaw:g}"
     )
-    return {"reachable": RememberingArm(arm), "note": note}
+    return {"reachable": CachedArm(arm), "note": note}
 
 
 def arm_of(arguments: Namespace) -> "Arm | None":

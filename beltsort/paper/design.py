@@ -1,4 +1,4 @@
-"""How much of the experiments is run."""
+"""The design of the experiments: what is varied, sizes, seeds."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -10,7 +10,7 @@ from beltsort.paper.printed import R_MIN
 
 
 class Stream(IntEnum):
-    """Children of the one seed: what one experiment draws tells another nothing."""
+    """Random streams of the one seed, independent of each other."""
 
     LABELS = 0
     TUNING = 1
@@ -22,7 +22,7 @@ class Stream(IntEnum):
 
 @dataclass(frozen=True)
 class Design:
-    """What is varied, and how many batches each point has.
+    """What is varied, and the number of batches per point.
 
     Attributes
     ----------
@@ -35,10 +35,10 @@ class Design:
     r_min_optimum
         The same for the offline solution.
     discounts
-        The first is the one of every figure; the paper prints none.
+        The first is used in every figure; the paper does not print one.
     batches, batches_cell, batches_discounts, batches_beyond
         Batches of ten with labels drawn from the paper's tables at the first discount, from the simulated
-        cell's tables, at the other discounts, and in what goes beyond the paper.
+        cell's tables, at the other discounts, and in the studies beyond the paper.
     batches_tuning, batches_optimum
         Batches of ten whose objects each candidate of a simple policy is tuned on, and batches on which
         regret is measured.
@@ -55,7 +55,7 @@ class Design:
     sharpness
         Exponents of the tables that a planner wrongly believes in; 1 is right.
     arrivals
-        What share of the arrival prior knows that only two classes come.
+        Shares of the arrival prior that are on the two classes of the objects only.
     """
 
     r_min: tuple[float, ...] = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 350.0, 500.0)
@@ -78,14 +78,14 @@ class Design:
     arrivals: tuple[float, ...] = (0.0, 0.5, 0.9, 1.0)
 
     def __post_init__(self) -> None:
-        """Refuse designs without the point that the paper's main claim is about."""
+        """Check that the penalty of the paper's main claim is included."""
         for name in ("r_min", "r_min_scans", "r_min_discounts", "r_min_optimum"):
             if R_MIN not in getattr(self, name):
                 raise ArgumentError(f"{name} is {getattr(self, name)}; it must contain {R_MIN:g}")
 
 
 FULL = Design()
-"""The whole of it: about half an hour of two idle cores."""
+"""All experiments: about half an hour on two idle cores."""
 
 QUICK = Design(
     r_min_scans=(5.0, 50.0, 500.0),
@@ -104,7 +104,7 @@ QUICK = Design(
     sharpness=(0.5, 1.0, 2.0),
     arrivals=(0.0, 1.0),
 )
-"""Every figure with few batches: a look at whether all works, not at what is true."""
+"""Every figure with few batches: to test that everything runs, not for results."""
 
 
 def seed_of(seed: int, stream: Stream, *number: int) -> int:

@@ -27,12 +27,12 @@ from beltsort.viewpoints.figure import draw_sphere
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure in its files.
+    """The files of a figure.
 
     Attributes
     ----------
     name
-        Of its files, without ending.
+        File name without ending.
     caption
         What it shows.
     """

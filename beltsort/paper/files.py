@@ -15,7 +15,7 @@ from beltsort.tables.intervals import standard_errors
 
 SMOOTHING = 1.0
 REPRODUCIBLE = ("tables.csv", "labels.csv", "scans.csv", "beyond.csv", "printed.csv")
-"""The same for the same seed; the others depend on how far the offline solutions get."""
+"""Files that depend on the seed only; the others depend on how far the offline solutions get."""
 
 
 def write_tables(results: Results, counts: Counts, folder: Path) -> list[Path]:

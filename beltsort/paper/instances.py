@@ -1,4 +1,4 @@
-"""The models that are planned with: the paper's tables, the simulated cell's, and what is made of them."""
+"""The models of the experiments: the paper's tables, the simulated cell's, and variants of them."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from beltsort.models import paper
 from beltsort.paper.printed import CLASSES_DRAWN
 
 FADING = 0.2
-"""How much nearer to pure chance each further position is, beyond the two of the paper."""
+"""By how much the table of each position beyond the paper's two is mixed with pure chance."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ PAPER = Instance("paper", paper())
 
 @dataclass(frozen=True)
 class Objects:
-    """Which bulbs come.
+    """A set of classes that objects are drawn from.
 
     Attributes
     ----------
     name
-        As tables and figures call them.
+        Its name in tables and figures.
     classes
         Drawn from uniformly.
     """
@@ -48,7 +48,7 @@ class Objects:
     classes: tuple[str, ...]
 
     def labels(self, model: SortingModel) -> list[int] | None:
-        """Return the class indices to draw from, or None where every class of the model comes."""
+        """Return the class indices to draw from, or None if that is every class of the model."""
         if set(self.classes) == set(model.classes):
             return None
         return [model.classes.index(name) for name in self.classes]
@@ -60,7 +60,7 @@ OBJECTS = (TWO, FOUR)
 
 
 def with_more_positions(model: SortingModel, positions: int) -> SortingModel:
-    """Return the model with so many positions; further ones see like the last, ever nearer to chance."""
+    """Return the model with so many positions; tables of further ones fade from the last one's to chance."""
     known = model.p_obs
     chance = 1.0 / len(model.classes)
     further = [
@@ -71,16 +71,16 @@ def with_more_positions(model: SortingModel, positions: int) -> SortingModel:
 
 
 def sharpened(model: SortingModel, exponent: float) -> SortingModel:
-    """Return what a planner believes that takes its classifier for better (above 1) or worse than it is.
+    """Return the model with every row of its tables raised to the exponent and normalised.
 
-    Every row of the tables is raised to the exponent and made to sum to 1 again.
+    A planner that uses it takes its classifier for better (exponent above 1) or worse than it is.
     """
     powers = model.p_obs**exponent
     return model.replace(p_obs=powers / powers.sum(axis=-1, keepdims=True))
 
 
 def with_arrival(model: SortingModel, objects: Objects, share: float) -> SortingModel:
-    """Return the model whose arrival prior is uniform but for a share that knows which classes come."""
+    """Return the model with an arrival prior between uniform (share 0) and uniform on `objects` (share 1)."""
     uniform = np.full(len(model.classes), 1.0 / len(model.classes))
     known = np.array([name in objects.classes for name in model.classes]) / len(objects.classes)
     return model.replace(arrival=((1.0 - share) * uniform + share * known).tolist())

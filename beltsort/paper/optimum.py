@@ -1,4 +1,4 @@
-"""The certified bounds of the best possible policy, and what others lose against it.
+"""Certified bounds of the optimal value, and the regret of other policies.
 
 How far the offline solution gets depends on the machine's speed, and so do these rows; everything else that
 is run here depends on its seed alone.
@@ -42,8 +42,8 @@ def bound_optimum(point: Mapping[str, Any]) -> Row:
     -------
     Row
         `lower` and `upper` bound the value of the best policy; `rows` are those of acting by the solution,
-        for each set of objects; `losses` say for every policy and batch what its actions lose against the
-        best ones, a discounted sum, measured against the upper bound.
+        for each set of objects; `losses` are the discounted regrets of every policy, one per batch,
+        measured against the upper bound.
     """
     model = SortingModel.from_json(point["model"])
     solution = solve(model, seconds=point["seconds"])

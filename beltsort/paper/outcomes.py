@@ -1,4 +1,4 @@
-"""What came out at one point: a row for a policy under one condition, with one number per batch."""
+"""Points (what is simulated) and rows (their results, with one number per batch)."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -7,7 +7,7 @@ from beltsort import ArgumentError
 from beltsort.paper.statistics import Estimate, mean
 
 Point = dict[str, Any]
-"""Plain JSON data that says all that a task needs to know."""
+"""Plain JSON data with everything that a task needs."""
 
 Row = dict[str, Any]
 """A point's condition (`CONDITION`), and lists with one number per batch (`OUTCOMES`)."""
@@ -57,7 +57,7 @@ def estimates(row: Row) -> dict[str, Estimate]:
 
 
 def pooled(rows: Sequence[Row]) -> list[Row]:
-    """Join rows of one condition, whose batches were run one by one, in the order of their first."""
+    """Join rows of one condition whose batches were run one by one; the order is that of the first rows."""
     together: dict[tuple[Any, ...], Row] = {}
     for row in rows:
         joined = together.setdefault(
@@ -69,7 +69,7 @@ def pooled(rows: Sequence[Row]) -> list[Row]:
 
 
 def plain_table(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """Return means and standard errors instead of the single batches: what the CSV files hold."""
+    """Return rows with means and standard errors in place of single batches, as for the CSV files."""
     return [
         {
             **condition(row),

@@ -1,4 +1,4 @@
-"""The planner and the simple policies it is held against, tuned on seeds of their own."""
+"""The planner and the simple policies it is compared with, which are tuned on other seeds."""
 
 import math
 from collections.abc import Mapping
@@ -11,16 +11,16 @@ POLICIES = (DESPOT, THRESHOLD, INFORMATION_GAIN)
 
 THRESHOLDS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.96, 0.97, 0.98, 0.99, 0.995, 0.998)
 BATCH = 10
-FORGOTTEN = 0.01
-"""A reward discounted to this share no longer counts."""
+NEGLIGIBLE = 0.01
+"""Discount factor below which a reward is negligible."""
 
 
 def policy_at(point: Mapping[str, Any], model: SortingModel) -> tuple[Policy, str | None]:
-    """Return a point's policy and, in words, what was tuned of it, if anything.
+    """Return a point's policy and its tuned parameters as text, None if it has none.
 
     A simple policy gets the parameters with the highest mean discounted return on the point's tuning seed, of
-    batches so long that their end does not count: that is what DESPOT plans for. Tuned on batches of ten, it
-    would profit from knowing that nothing follows the tenth object.
+    batches so long that their end does not matter, as DESPOT assumes. Tuned on batches of ten, it would
+    profit from the end of the batch.
     """
     if point["policy"] == DESPOT:
         return Despot(model, trials=point["trials"], threads=1), None
@@ -50,14 +50,14 @@ CANDIDATES = {THRESHOLD: _thresholds, INFORMATION_GAIN: _information_gains}
 
 
 def tuning_size(discount: float) -> int:
-    """Return the objects of a batch after which rewards no longer count, at two steps each or more.
+    """Return a batch size after which rewards are negligible, at two steps per object or more.
 
     Examples
     --------
     >>> tuning_size(0.95)
     45
     """
-    return math.ceil(math.log(FORGOTTEN) / math.log(discount) / 2.0)
+    return math.ceil(math.log(NEGLIGIBLE) / math.log(discount) / 2.0)
 
 
 def _score(point: Mapping[str, Any], model: SortingModel, policy: Policy) -> float:

@@ -45,14 +45,14 @@ MEANS = ("steps", "positives", "negatives")
 
 @dataclass(frozen=True)
 class Circumstances:
-    """How a report came about.
+    """How the results of a report were made.
 
     Attributes
     ----------
     command
-        What was typed, or called.
+        The command line or function call.
     seed
-        Of everything.
+        Seed of all experiments.
     design
         What was run.
     """
@@ -62,7 +62,7 @@ class Circumstances:
     design: Design
 
     def facts(self, seconds: Mapping[str, float]) -> dict[str, str]:
-        """Return command, versions, seed, machine and times in words."""
+        """Return command, seed, versions, machine and times as text, by name."""
         return {
             "made by": self.command,
             "seed": str(self.seed),

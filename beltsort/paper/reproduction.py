@@ -1,4 +1,4 @@
-"""From one call to the folder with every figure, table and the report."""
+"""One call that runs the experiments and writes every figure, table and the report."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +16,7 @@ from beltsort.sorting.runs import make_folder
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
-    """What was written, and the numbers behind it.
+    """The files that were written, and the numbers in them.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ def reproduce(
 ) -> Reproduction:
     """Run the paper's experiments and write figures, tables and the report into a folder.
 
-    A run that broke off goes on where it was if it is called again with the same folder.
+    An interrupted run resumes if this is called again with the same folder.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def reproduce(
     design, seed, workers, stage
         As in `run_experiments`.
     command
-        What the report says it was made by.
+        Command line for the report.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""All experiments, one after the other; each finished point is kept, so that a run that broke off goes on."""
+"""All experiments, one after the other; finished points are kept, so that an interrupted run resumes."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class Results:
     optimum
         Bounds and losses; see `bound_optimum`.
     seconds
-        Time that each stage took now.
+        Time that each stage took in this run.
     """
 
     cell: PreparedCell
@@ -57,7 +57,7 @@ class Results:
         return [*self.labels, *self.scans, *self.optimum_play]
 
     def claims(self) -> list[ClaimResult]:
-        """Return which claims hold."""
+        """Return whether the claims hold."""
         return all_claims(self.rows, self.beyond, self.optimum)
 
 
@@ -79,7 +79,7 @@ def run_experiments(
     workers: int | None = None,
     stage: StageProgress | None = None,
 ) -> Results:
-    """Run what a design asks for, but for the points that the folder has already.
+    """Run the experiments of a design, except for points whose rows are in the folder already.
 
     The same seed gives the same rows whatever the number of processes; only the optimum's depend on the
     machine's speed. As with `prepare`, a script calls this under `if __name__ == "__main__":`.
@@ -93,11 +93,11 @@ def run_experiments(
     design
         `FULL`, `QUICK`, or your own.
     seed
-        Of everything.
+        Seed of all experiments.
     workers
         Processes; default one for each core.
     stage
-        Called with a stage's name, returns what is called with points done and in all.
+        Called with a stage's name; returns a function that takes the number of points done and in all.
 
     Raises
     ------

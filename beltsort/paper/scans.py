@@ -27,14 +27,14 @@ LEVEL = "depth scans"
 
 @dataclass(frozen=True)
 class PreparedCell:
-    """A simulated cell with what is known of it, on the disk so that other processes can read it.
+    """Tables and classifier of a simulated cell; the classifier is on disk for other processes to read.
 
     Attributes
     ----------
     instance
-        Its tables.
+        The tables.
     database
-        The classifier's file; its name tells its content.
+        The classifier's file; its name contains a hash of its content.
     """
 
     instance: Instance
@@ -118,7 +118,7 @@ def true_labels(point: Mapping[str, Any], model: SortingModel) -> list[int]:
 
 
 def cell_with(positions: int) -> CellConfig:
-    """Return the default cell, of whose belt only the first positions are looked at."""
+    """Return the default cell with only the first positions of its belt observed."""
     default = CellConfig()
     unseen = default.layout.positions - positions
     return replace(
@@ -141,7 +141,7 @@ def outcomes_of(report: SortingReport, true: list[int], model: SortingModel) -> 
 
 @lru_cache(maxsize=1)
 def _planner(model: str, trials: int) -> Despot:
-    """Make a planner once for the batches of one condition: it keeps nothing from one plan to the next."""
+    """Make a planner once for the batches of one condition; plans do not depend on earlier ones."""
     return Despot(SortingModel.from_json(model), trials=trials, threads=1)
 
 

@@ -1,4 +1,4 @@
-"""How every figure of the report looks: told apart by colour-blind readers, in grey, and in print."""
+"""The style of the report's figures: curves differ for colour-blind readers and in grey, too."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ PALETTE = 128  # colours of a PNG
 PANEL = (3.6, 2.9)  # inches
 ERROR_BARS = f"error bars: {100 * CONFIDENCE:.0f} % confidence intervals of the mean"
 ASIDE = 1.05
-"""A step aside on an axis of r_min, which is logarithmic."""
+"""Factor of one step of shift on the logarithmic axis of r_min."""
 PRINTED: dict[str, Any] = {
     "color": "black",
     "marker": "*",
@@ -31,7 +31,7 @@ PRINTED: dict[str, Any] = {
 
 
 def style(number: int, *, filled: bool = True) -> dict[str, Any]:
-    """Return colour, marker and line of the n-th thing of a figure."""
+    """Return colour, marker and line of the n-th curve of a figure."""
     colour = COLOURS[number % len(COLOURS)]
     return {
         "color": colour,
@@ -55,19 +55,19 @@ def new_figure(rows: int, columns: int, panel: tuple[float, float] = PANEL) -> "
 
 
 def penalty_curve(panel: "Axes", rows: Sequence[Row], outcome: str, aside: float, **look: Any) -> None:
-    """Draw an outcome against r_min, `aside` steps beside its place, so that no curve hides another."""
+    """Draw an outcome against r_min, shifted by `aside` steps, so that no curve hides another."""
     curve(panel, [row["r_min"] * ASIDE**aside for row in rows], rows, outcome, **look)
 
 
 def curve(panel: "Axes", x: Sequence[float], rows: Sequence[Row], outcome: str, **look: Any) -> None:
-    """Draw means with their intervals, a point per row."""
+    """Draw means with their confidence intervals, a point per row."""
     points = [mean(row[outcome]) for row in rows]
     half = [estimate.interval[1] - estimate.value for estimate in points]
     panel.errorbar(x, [estimate.value for estimate in points], yerr=half, **look)
 
 
 def penalty_axis(panel: "Axes", ticks: Sequence[float]) -> None:
-    """Make the x axis that of r_min."""
+    """Set up the x axis for r_min."""
     panel.set_xscale("log")
     panel.set_xlim(ticks[0] / 1.3, ticks[-1] * 1.3)
     panel.set_xticks(ticks, [f"{tick:g}" for tick in ticks], minor=False)
@@ -77,7 +77,7 @@ def penalty_axis(panel: "Axes", ticks: Sequence[float]) -> None:
 
 
 def shared_legend(figure: "Figure", panels: Sequence["Axes"], columns: int = 4) -> None:
-    """Put one legend below all panels, naming each thing once."""
+    """Put one legend below all panels, with one entry per label."""
     entries = {
         label: handle
         for panel in panels
@@ -87,7 +87,7 @@ def shared_legend(figure: "Figure", panels: Sequence["Axes"], columns: int = 4) 
 
 
 def save_figure(figure: "Figure", folder: Path, name: str) -> None:
-    """Write a figure in every format, the same bytes for the same figure."""
+    """Write a figure in every format; the same figure gives the same bytes."""
     from matplotlib import rc_context
 
     def draw(path: Path) -> None:
@@ -98,7 +98,7 @@ def save_figure(figure: "Figure", folder: Path, name: str) -> None:
 
 
 def save_drawn(draw: Callable[[Path], None], folder: Path, name: str) -> None:
-    """Write what `draw` draws in every format; a PNG gets a palette, which makes it a third of its size."""
+    """Call `draw` for every format; a PNG gets a palette, which reduces its size to a third."""
     from PIL import Image
 
     for path in (folder / f"{name}{ending}" for ending in FORMATS):

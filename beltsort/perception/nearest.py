@@ -137,8 +137,8 @@ class NearestNeighbour:
         Raises
         ------
         DatabaseError
-            If shapes do not fit, a value is no number or no histogram's, a label has no class, or a setting
-            has no sense.
+            If shapes do not fit, a value is not finite or negative, a label has no class, or a setting is
+            out of range.
         """
         rows = as_array("descriptors", descriptors, DatabaseError).copy()
         index = as_array("labels", labels, DatabaseError, dtype=None)

@@ -99,8 +99,8 @@ def train_from_clouds(
     Raises
     ------
     DatabaseError
-        If there is no such folder, fewer than two classes have a cloud that can be used, or a setting has no
-        sense.
+        If there is no such folder, fewer than two classes have a cloud that can be used, or a setting is
+        out of range.
     """
     config = config or PerceptionConfig()
     rows: list[Histogram] = []

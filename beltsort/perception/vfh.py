@@ -115,14 +115,14 @@ def vfh_batch(
     Parameters
     ----------
     clouds, normals, viewpoints
-        As many of each, m; of each cloud what `vfh` takes.
+        The arguments of `vfh` for each cloud, m of each.
     **settings
         Keywords of `vfh`, the same for all.
 
     Raises
     ------
     CloudError
-        If there are not as many of each, or `vfh` refuses a cloud; which one is a note of the error.
+        If the numbers differ, or `vfh` raises for a cloud; a note of the error names the cloud.
     """
     if not len(clouds) == len(normals) == len(viewpoints):
         raise CloudError(

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from beltsort.errors import SweepError
-from beltsort.sweep.attempt import Attempt, Point
-from beltsort.sweep.engine import Attempts
+from beltsort.sweep.engine import Attempt, Attempts, Point
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -25,7 +24,7 @@ WORKERS = 30.0  # seconds
 
 @dataclass(frozen=True)
 class Certificates:
-    """Files (PEM) by which both sides know each other.
+    """Files (PEM) for mutual authentication.
 
     Attributes
     ----------
@@ -61,18 +60,20 @@ class Cluster:
     Raises
     ------
     SweepError
-        If the address is none, or is another machine's without TLS, or certificates are missing or pointless;
-        if Dask is not installed; when points are run, if nothing answers there or there are no workers.
+        If the address is invalid or is another machine's without TLS, if certificates are missing or given
+        without TLS, or if Dask is not installed; when points are run, if no scheduler answers or it has no
+        workers.
     """
 
     def __init__(self, address: str, certificates: Certificates | None = None) -> None:
         self.address = address if "://" in address else f"tcp://{address}"
         self.certificates = certificates
-        _check(self.address, certificates)
-        _check_installed()
+        _check_address(self.address, certificates)
+        if find_spec("distributed") is None:
+            raise SweepError("clusters need Dask; install it with: pip install 'beltsort[cluster]'")
 
     def attempts(self, trial: Callable[[Point], Attempt], points: Sequence[Point]) -> Attempts:
-        """Yield the number of each point and what came of it, as soon as it is there."""
+        """Yield the number and the result of each point, as soon as it is done."""
         if not points:
             return
         from distributed import as_completed
@@ -123,7 +124,7 @@ class Cluster:
 
 
 def _result(future: "Future") -> Attempt:
-    """Return what came of a point; what the cluster itself failed at is a failure of the point, too."""
+    """Return the result of a point; a failure of the cluster counts as a failure of the point."""
     try:
         attempt: Attempt = future.result()
     except Exception as error:
@@ -131,7 +132,7 @@ def _result(future: "Future") -> Attempt:
     return attempt
 
 
-def _check(address: str, certificates: Certificates | None) -> None:
+def _check_address(address: str, certificates: Certificates | None) -> None:
     try:
         parts = urlsplit(address)
         host, port = parts.hostname, parts.port
@@ -148,11 +149,6 @@ def _check(address: str, certificates: Certificates | None) -> None:
             f"--scheduler {address}: {host} is not this machine, and without TLS anyone on the network could "
             "run programs as you; write tls:// and give --tls-ca, --tls-cert and --tls-key"
         )
-
-
-def _check_installed() -> None:
-    if find_spec("distributed") is None:
-        raise SweepError("clusters need Dask; install it with: pip install 'beltsort[cluster]'")
 
 
 def _is_loopback(host: str) -> bool:

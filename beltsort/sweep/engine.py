@@ -1,28 +1,97 @@
-"""Runs a task on many points, on processes or on a cluster, and keeps every row as soon as it is there."""
+"""Run a task on many points, in processes or on a cluster; each finished row is stored at once."""
 
+import hashlib
 import json
+import traceback
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
 import beltsort
 from beltsort.errors import SweepError
-from beltsort.sweep.attempt import Attempt, Point, Row, Task, attempt
-from beltsort.sweep.store import RowStore, digest
+from beltsort.util.keyed_log import KeyedLog
 from beltsort.util.processes import Progress, as_they_finish
 
+FILE = "rows.sqlite"
+
+Point: TypeAlias = Mapping[str, Any]
+Row: TypeAlias = dict[str, Any]
+Task: TypeAlias = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 Points: TypeAlias = Sequence[Point]
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """The result of running a task on a point.
+
+    Attributes
+    ----------
+    row
+        The point and its result, or None.
+    failure, trace
+        The error in one line, and its traceback; empty if there was none.
+    """
+
+    row: Row | None
+    failure: str = ""
+    trace: str = ""
+
+
 Trial: TypeAlias = Callable[[Point], Attempt]
 Attempts: TypeAlias = Generator[tuple[int, Attempt], None, None]
+
+
+def attempt(task: Task, version: str, point: Point) -> Attempt:
+    """Run a task on a point, if this process has the given version of beltsort.
+
+    Any exception is returned as text, since exceptions of other packages may not survive pickling.
+    """
+    try:
+        if beltsort.__version__ != version:
+            raise ValueError(
+                f"a worker has beltsort {beltsort.__version__}, expected {version}: install that"
+            )
+        result = dict(task(point))
+        if taken := sorted(result.keys() & point.keys()):
+            raise ValueError(f"the result names {', '.join(taken)}, which the point has: rename it")
+        return Attempt(json.loads(json.dumps({**point, **result}, allow_nan=False)))
+    except Exception as error:
+        return Attempt(None, f"{type(error).__name__}: {error}", traceback.format_exc())
+
+
+class RowStore(KeyedLog):
+    """Finished rows on disk, by `digest` of what they depend on.
+
+    Parameters
+    ----------
+    folder
+        Made if it is missing; the rows are in its file `rows.sqlite`.
+
+    Raises
+    ------
+    SweepError
+        If it cannot be read or written.
+    """
+
+    table, contents = "points", "rows"
+    maker, error = "a sweep", SweepError
+
+    def __init__(self, folder: Path) -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as reason:
+            raise SweepError(f"the folder {folder} cannot be made: {reason}; name another one") from reason
+        super().__init__(folder / FILE)
 
 
 class Scheduler(Protocol):
     """Where points are run."""
 
     def attempts(self, trial: Trial, points: Points) -> Attempts:
-        """Yield the number of each point and what came of it, as soon as it is there."""
+        """Yield the number and the result of each point, as soon as it is done."""
         ...
 
 
@@ -37,16 +106,16 @@ def run_points(
 ) -> list[dict[str, Any]]:
     """Run a task on every point that the store has no row of.
 
-    A row is on the disk before it counts: Ctrl-C or a kill loses only what was under way. The same points
-    give the same rows whatever the number of processes and the order in which they finish, provided that the
+    A row is on disk before it is reported: Ctrl-C or a kill loses only points that were running. The same
+    points give the same rows whatever the number of processes and the order in which they finish, provided that the
     task is a function of its point.
 
     Parameters
     ----------
     task
         A function of a module, since other processes import it: takes a point, returns plain data (JSON
-        without NaN) under names that the point has not. A task whose results have changed says so by another
-        `version(task, N)`; beltsort's own version counts as well.
+        without NaN) under names that the point does not use. Mark a task whose results have changed with
+        another `version(task, N)`; a new version of beltsort also makes rows anew.
     points
         Plain data. Equal points are run once.
     store
@@ -55,9 +124,9 @@ def run_points(
         Spawned processes, at least 1; default one for each core that this process may use. With 1 the work is
         done in this process. A script calls this under `if __name__ == "__main__":`.
     progress
-        Called with the number of rows there and of rows wanted: once at the start, then after each row.
+        Called with the number of finished rows and of all rows: once at the start, then after each row.
     scheduler
-        Runs the points instead of processes of this machine.
+        Runs the points in place of processes of this machine.
 
     Returns
     -------
@@ -103,9 +172,20 @@ def finished_rows(task: Task, points: Sequence[Point], store: Path) -> list[Row]
 
 
 def version(task: Task, number: int) -> Task:
-    """Mark a task whose results differ from those that it gave under another number (1 if never marked)."""
+    """Mark a task with a version number, 1 by default; rows of other numbers are not reused."""
     vars(task)["version"] = number
     return task
+
+
+def digest(*parts: Any) -> str:
+    """Return a hash of plain data, which does not depend on the order of keys.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no plain data: JSON without NaN and infinities.
+    """
+    return hashlib.sha256(json.dumps(parts, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
 class _Processes:
@@ -117,7 +197,7 @@ class _Processes:
 
 
 def _keys(task: Task, points: Points) -> list[str]:
-    """Name the rows by all that they depend on."""
+    """Return the key of each row: a hash of everything that it depends on."""
     name = f"{getattr(task, '__module__', '')}.{getattr(task, '__qualname__', '<?>')}"
     if "<" in name:
         raise beltsort.ArgumentError(

@@ -1,4 +1,4 @@
-"""The file of a sweep, read and checked."""
+"""The sweep file (TOML): its keys and their checks."""
 
 import tomllib
 from collections.abc import Sequence
@@ -72,7 +72,7 @@ def read_sweep(path: Path) -> SweepFile:
     Raises
     ------
     SweepError
-        If it cannot be read, is no TOML, or says what a sweep file cannot say.
+        If it cannot be read, is not TOML, or has unknown keys or invalid values.
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))

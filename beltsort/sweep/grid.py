@@ -14,7 +14,7 @@ from beltsort.sweep.file import SweepFile
 from beltsort.sweep.parameters import DESPOT, axes_of
 
 WORLD = ("model.", "cell.")
-SEED_BITS = 63  # what fits every integer between here and Parquet
+SEED_BITS = 63  # a seed must fit into a signed 64-bit integer, as in Parquet
 
 
 def points_of(sweep: SweepFile, folder: Path) -> list[dict[str, Any]]:
@@ -26,15 +26,15 @@ def points_of(sweep: SweepFile, folder: Path) -> list[dict[str, Any]]:
     Parameters
     ----------
     sweep
-        What the file says.
+        Content of the file.
     folder
-        Where the file is: files that it names are sought from there.
+        The file's folder; relative paths in the file start there.
 
     Raises
     ------
     SweepError
-        If a parameter is unknown or has no values, the level does not know it, no policy is named, a policy
-        plans by the clock, or a file is missing.
+        If a parameter is unknown, has no values or does not apply to the level, no policy is named, a policy
+        has a time budget, or a file is missing.
     """
     axes = axes_of({"model": sweep.model, "planner": sweep.planner, "cell": sweep.cell})
     _check(sweep, axes)
@@ -65,7 +65,7 @@ def seeds_of(point: Mapping[str, Any], number: int) -> list[int]:
 
 
 def inputs_of(point: Mapping[str, Any]) -> str | None:
-    """Name the contents of the files that a point names, None if it names none.
+    """Return a hash of the contents of the files that a point names, None if it names none.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def _product(axes: Mapping[str, list[Any]], sections: tuple[str, ...]) -> list[d
 
 
 def _planners(axes: Mapping[str, list[Any]]) -> list[dict[str, Any]]:
-    """Return the planners: what only `Despot` knows multiplies no other policy."""
+    """Return the planners; parameters of `Despot` do not multiply the other policies."""
     planners = [
         planner
         if planner["planner.policy"].split(":")[0] == "despot"

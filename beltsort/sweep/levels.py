@@ -1,4 +1,4 @@
-"""What one point simulates: labels drawn from tables, or whole scans."""
+"""The simulation of one point: labels drawn from tables, or whole scans."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -44,7 +44,7 @@ def table_point(point: Point) -> dict[str, float | None]:
 
 
 def scan_point(point: Point) -> dict[str, int | float]:
-    """Return what a run of the simulated cell did, from scans to decisions."""
+    """Sort objects in the simulated cell, from scans to decisions, and return the counts."""
     from beltsort.perception import Perception
     from beltsort.sim import SimulatedCell
     from beltsort.sorting.journal import Journal

@@ -27,7 +27,7 @@ def load_pyarrow() -> Any:
 
 
 def write_rows(rows: Sequence[dict[str, Any]], path: Path) -> None:
-    """Write a column for each key, whole or not at all.
+    """Write a column for each key; the file is replaced as a whole.
 
     A column whose values are of several kinds, numbers and lists for example, is written as JSON.
 

@@ -9,8 +9,7 @@ from typing import Any
 import beltsort
 from beltsort.errors import SweepError
 from beltsort.sim.prepare import StageProgress
-from beltsort.sweep.attempt import Row, Task
-from beltsort.sweep.engine import Scheduler, finished_rows, run_points
+from beltsort.sweep.engine import Row, Scheduler, Task, finished_rows, run_points
 from beltsort.sweep.file import read_sweep
 from beltsort.sweep.grid import points_of
 from beltsort.sweep.levels import (
@@ -45,23 +44,23 @@ class Sweep:
 
     @classmethod
     def load(cls, path: Path) -> "Sweep":
-        """Read a sweep file and try what can be tried at once.
+        """Read a sweep file, and make the cells, models and policies that need no simulation.
 
         Raises
         ------
         BeltsortError
-            If the file says what cannot be run.
+            If the file cannot be read, or one of them cannot be made.
         """
         load_pyarrow()
         sweep = read_sweep(path)
         points = points_of(sweep, path.resolve().parent)
-        _try(points)
+        _check(points)
         return cls(TASKS[sweep.level], points)
 
     def prepare(self, progress: StageProgress | None = None) -> None:
         """Train the classifiers and estimate the tables of all cells, where the cache has none yet."""
         if self.task is scan_point:
-            for point in _unlike(self.points, "cell."):
+            for point in _distinct(self.points, "cell."):
                 prepared_for(point, progress)
 
     def run(
@@ -93,7 +92,7 @@ class Sweep:
                 self.task, self.points, folder, workers=workers, progress=progress, scheduler=scheduler
             )
         except BaseException:
-            with suppress(beltsort.BeltsortError):  # the first error is the one to tell
+            with suppress(beltsort.BeltsortError):  # the first error is the one to report
                 if rows := finished_rows(self.task, self.points, folder):
                     write_rows(rows, folder / FILE)
             raise
@@ -101,18 +100,18 @@ class Sweep:
         return rows
 
 
-def _try(points: list[dict[str, Any]]) -> None:
-    """Make every cell, and every model and policy that needs no scans."""
-    for point in _unlike(points, "cell."):
-        _named(point, "cell.", lambda point: config_of(point))
+def _check(points: list[dict[str, Any]]) -> None:
+    """Make every cell, and every model and policy that needs no scans, so that errors come first."""
+    for point in _distinct(points, "cell."):
+        _make(point, "cell.", lambda point: config_of(point))
     with_model = [point for point in points if "model.file" in point]
-    for point in _unlike(with_model, "model."):
-        _named(point, "model.", lambda point: model_of(point))
-    for point in _unlike(with_model, "planner."):
-        _named(point, "planner.", lambda point: policy_of(point, model_of(point), seed=0))
+    for point in _distinct(with_model, "model."):
+        _make(point, "model.", lambda point: model_of(point))
+    for point in _distinct(with_model, "planner."):
+        _make(point, "planner.", lambda point: policy_of(point, model_of(point), seed=0))
 
 
-def _unlike(points: list[dict[str, Any]], section: str) -> list[dict[str, Any]]:
+def _distinct(points: list[dict[str, Any]], section: str) -> list[dict[str, Any]]:
     """Return the first point of each combination of a section's values."""
     seen: dict[str, dict[str, Any]] = {}
     for point in points:
@@ -120,8 +119,8 @@ def _unlike(points: list[dict[str, Any]], section: str) -> list[dict[str, Any]]:
     return list(seen.values())
 
 
-def _named(point: dict[str, Any], section: str, make: Callable[[dict[str, Any]], object]) -> None:
-    """Make something of a point; an error names the values that it was made of."""
+def _make(point: dict[str, Any], section: str, make: Callable[[dict[str, Any]], object]) -> None:
+    """Make a part of a point; an error names the values of the section that it is made from."""
     try:
         make(point)
     except (beltsort.BeltsortError, TypeError, ValueError, OverflowError) as reason:

@@ -35,7 +35,7 @@ class Estimate:
     worst
         The table row with the largest standard error.
     missing
-        Further objects in each row that would bring every entry of the table to the wanted standard error.
+        Further objects per row after which every entry would have at most the wanted standard error.
     tests
         Tests of the model's assumptions.
     """
@@ -123,14 +123,14 @@ def estimate(
     smoothing, repeats
         As in `Counts.model`.
     error
-        The standard error that is wanted of every entry; half of a 95 % interval is about twice that.
+        The wanted standard error of every entry; half the width of a 95 % interval is about twice that.
     note
         The model's note.
 
     Raises
     ------
     ArgumentError
-        If there is no scan, or `smoothing` or `error` makes no sense.
+        If there is no scan, `smoothing` is not positive, or `error` is not between 0 and 1.
 
     Examples
     --------

@@ -14,7 +14,7 @@ Work = TypeVar("Work")
 
 
 class LabelLog(KeyedLog):
-    """Labels by scan; `KeyedLog` says how they are kept.
+    """Labels by scan; see `KeyedLog`.
 
     Raises
     ------

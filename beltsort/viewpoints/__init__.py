@@ -1,4 +1,4 @@
-"""Viewpoints: the half-sphere about the belt end, what an arm reaches of it, and who is whose neighbour.
+"""Viewpoints: the half-sphere about the belt end, its points that an arm reaches, and their neighbour graph.
 
 `beltsort viewpoints FILE` writes a map of viewpoints, `map_viewpoints` makes one in Python. Cell and model
 take it in one line each::
@@ -7,7 +7,7 @@ take it in one line each::
     config = CellConfig(viewpoints=views.viewpoints)
     model = beltsort.SortingModel(config.classes, p_obs=p_obs, **views.model_settings())
 
-With the extra `ik`, `arm.Arm` tells what an arm reaches.
+With the extra `ik`, `arm.Arm` computes what an arm reaches.
 """
 
 from beltsort.viewpoints.map import ViewpointMap

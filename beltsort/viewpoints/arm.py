@@ -25,8 +25,8 @@ class Arm:
     mu = |e|^2 / 2 + 1e-6 vanishes as the tip arrives [2]_. Joints are kept within their limits after every
     step. A search that does not arrive starts again from another random configuration.
 
-    "Not reached" is no proof: more restarts may find a way. "Reached" holds, but says nothing about
-    collisions, neither there nor on the way. The camera's roll about its optical axis is not free: the
+    False is no proof that a pose is out of reach: more restarts may find a configuration. True says nothing
+    about collisions, neither there nor on the way. The camera's roll about its optical axis is not free: the
     world's z is up in its image (`geometry.look_at`).
 
     Attributes
@@ -44,12 +44,12 @@ class Arm:
     iterations
         Steps of one search.
     seed
-        Of the random configurations: the answer for a pose is a function of the pose and these attributes.
+        Of the random configurations: the result for a pose is a function of the pose and these attributes.
 
     Raises
     ------
     ArgumentError
-        If a number has no sense.
+        If a number is out of range.
     ViewpointError
         If pinocchio is missing, the URDF cannot be read, has no such frame, or has joints without limits.
 
@@ -69,7 +69,7 @@ class Arm:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Refuse numbers without sense."""
+        """Check the numbers."""
         if not np.isfinite(self.base).all():
             raise ArgumentError(f"base is {self.base}, expected finite x, y, z (metres) and yaw (degrees)")
         if not 0.0 < self.tolerance < np.inf:

@@ -1,4 +1,4 @@
-"""Which points become viewpoints."""
+"""Choice of points that are far from each other."""
 
 from collections.abc import Sequence
 
@@ -10,8 +10,8 @@ from beltsort.geometry import Points
 def well_spread(points: Points, among: Sequence[int], count: int) -> list[int]:
     """Choose `count` points far from each other: the highest first, then always the farthest.
 
-    Farthest is the one whose nearest chosen point is farthest, the first one of equals. The smallest angle
-    between chosen points is at least half of the largest that is possible for that many points [1]_.
+    The next point is the one whose nearest chosen point is farthest away, the first of equals. The smallest
+    angle between chosen points is at least half of the largest possible for that many points [1]_.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ leads south, they are what they become on the way up along azimuth 0.
 
 The four bearings leave no direction out and distance has no limit, so an edge may span a gap of unreachable
 points; it says nothing about what stands in the way. For the same reason no sample's graph has been seen to
-fall into parts, but nothing proves that none does: whoever uses a graph checks it (`components`).
+fall into parts, but that is not proven: users of a graph check it (`components`).
 """
 
 from collections import deque

@@ -1,6 +1,6 @@
-"""The sampled half-sphere, its neighbour graph and the chosen viewpoints: what cell and model share."""
+"""A map of viewpoints: the sampled half-sphere, its neighbour graph and the chosen points."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Self
@@ -23,7 +23,7 @@ LISTED = 8
 
 @dataclass(frozen=True, eq=False)
 class ViewpointMap:
-    """Points of the half-sphere, which of them are reachable and neighbours, and the K chosen ones.
+    """Sampled points of the half-sphere, their neighbour graph, and the K points chosen as viewpoints.
 
     Between two viewpoints the camera goes from neighbour to neighbour: a move costs the number of edges on
     the shortest path, and 1 where it stays, since a second scan from the same place is one step too.
@@ -41,8 +41,8 @@ class ViewpointMap:
     names
         Of the viewpoints.
     sampling, lowest, note
-        How it was made: the sampling, the elevation in degrees below which nothing counted as reachable, and
-        a word on the arm.
+        How it was made: the sampling, the elevation in degrees below which no point counted as reachable, and
+        a remark on the arm.
     neighbours_only
         Whether one move only reaches a viewpoint's own neighbours.
 
@@ -81,8 +81,13 @@ class ViewpointMap:
     neighbours_only: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse parts that contradict each other and graphs in parts."""
-        _check_map(self)
+        """Check that points, edges and viewpoints fit together and that the graph is connected."""
+        _check_points(self)
+        _check_edges(self)
+        _check_chosen(self)
+        _check_connected(self)
+        if self.neighbours_only:
+            _check_travel(self)
 
     @property
     def viewpoints(self) -> tuple[SphereViewpoint, ...]:
@@ -95,7 +100,7 @@ class ViewpointMap:
 
     @property
     def motion_cost(self) -> NDArray[np.float64]:
-        """Planner steps' worth of each move `[from, to]`, shape (K, K): a metric but for the 1 of staying."""
+        """Cost of each move `[from, to]` in planner steps, shape (K, K): a metric, but staying costs 1."""
         cost = self.steps()
         np.fill_diagonal(cost, 1.0)
         return cost
@@ -107,7 +112,7 @@ class ViewpointMap:
         return [np.flatnonzero(row).tolist() for row in near]
 
     def model_settings(self) -> dict[str, Any]:
-        """Return what a `beltsort.SortingModel` needs to know: viewpoints, motion_cost and travel."""
+        """Return keyword arguments for `beltsort.SortingModel`: viewpoints, motion_cost and travel."""
         return {"viewpoints": list(self.names), "motion_cost": self.motion_cost, "travel": self.travel}
 
     def steps(self) -> NDArray[np.float64]:
@@ -126,7 +131,8 @@ class ViewpointMap:
         Raises
         ------
         ViewpointError
-            If the file cannot be read, has unknown keys, or what it says contradicts itself.
+            If the file cannot be read, has unknown or missing keys or values of a wrong type, or contradicts
+            itself.
         """
         from beltsort.viewpoints.file import ViewpointFile
 
@@ -175,16 +181,6 @@ class ViewpointMap:
         )
 
 
-def _check_map(views: ViewpointMap) -> None:
-    """Refuse points off the half-sphere, edges and viewpoints without a reachable point, graphs in parts."""
-    _check_points(views)
-    _check_edges(views)
-    _check_chosen(views)
-    _check_connected(views)
-    if views.neighbours_only:
-        _check_travel(views)
-
-
 def _listed(things: Iterable[object], separator: str = ", ") -> str:
     """Return the first few of many things as text."""
     texts = [str(thing) for thing in things]
@@ -219,7 +215,12 @@ def _check_edges(views: ViewpointMap) -> None:
 
 
 def _check_chosen(views: ViewpointMap) -> None:
-    _check_names(views.names, len(views.chosen))
+    names, count = views.names, len(views.chosen)
+    if len(names) != count or count == 0 or len(set(names)) < count or not all(names):
+        raise ViewpointError(
+            f"names are {list(names)} for {count} chosen points, expected at least one point and a name for "
+            "each, none empty, none twice"
+        )
     if len(set(views.chosen)) < len(views.chosen):
         raise ViewpointError(f"the chosen points are {list(views.chosen)}, expected none twice")
     for index in views.chosen:
@@ -228,14 +229,6 @@ def _check_chosen(views: ViewpointMap) -> None:
                 f"point {index} is chosen, expected a reachable one: choose from "
                 f"{_listed(np.flatnonzero(views.reachable).tolist())}"
             )
-
-
-def _check_names(names: Sequence[str], count: int) -> None:
-    if len(names) != count or count == 0 or len(set(names)) < count or not all(names):
-        raise ViewpointError(
-            f"names are {list(names)} for {count} chosen points, expected at least one point and a name for "
-            "each, none empty, none twice"
-        )
 
 
 def _check_connected(views: ViewpointMap) -> None:

@@ -1,4 +1,4 @@
-"""Robots that are known by name; their URDFs come with the package `example-robot-data`."""
+"""Robots by name; their URDFs come with the package `example-robot-data`."""
 
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path

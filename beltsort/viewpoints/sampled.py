@@ -1,4 +1,4 @@
-"""From a sampling and an arm to a map of viewpoints."""
+"""Sampling of the half-sphere, reachability and choice: how a map of viewpoints is made."""
 
 from collections.abc import Callable, Sequence
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from beltsort import ArgumentError
 from beltsort.errors import ViewpointError
-from beltsort.geometry import Points, Pose, direction_of, look_at
+from beltsort.geometry import Pose, direction_of, look_at
 from beltsort.viewpoints.choice import well_spread
 from beltsort.viewpoints.graph import neighbour_edges
 from beltsort.viewpoints.map import ViewpointMap
@@ -38,12 +38,12 @@ def map_viewpoints(
         K, chosen far from each other (`choice.well_spread`), or the indices of the points to choose. They are
         named p1, p2, ... in that order.
     reachable
-        Asked for each point not below `lowest`, with `world_from_camera` of a camera that stands there and
+        Called for each point not below `lowest`, with `world_from_camera` of a camera that stands there and
         has the belt end in its centre; default: everything is reachable.
     lowest
-        Elevation in degrees below which nothing counts as reachable: the camera would see cups, not objects.
+        Elevation in degrees below which no point counts as reachable: the camera would see cups, not objects.
     note
-        A word on the arm, for the file.
+        A remark on the arm, for the file.
     neighbours_only
         Whether one move only reaches a viewpoint's own neighbours.
 
@@ -62,42 +62,32 @@ def map_viewpoints(
     """
     sampling = sampling or Sampling()
     points = sampling.points()
-    reached = _reached(points, reachable, lowest)
+    reached: NDArray[np.bool_] = direction_of(points)[1] >= lowest
+    if reachable is not None:
+        belt_end = np.zeros(3)
+        for index in np.flatnonzero(reached):
+            reached[index] = reachable(look_at(points[index], belt_end))
     if not reached.any():
         raise ViewpointError(
             f"none of the {sampling.count} points is reachable at {sampling.radius} m from the belt end and "
             f"{lowest} degrees or more above the belt; move the arm's base, or change radius or lowest"
         )
-    chosen = _chosen(points, reached, viewpoints)
+    if isinstance(viewpoints, int):
+        among = np.flatnonzero(reached).tolist()
+        if not 1 <= viewpoints <= len(among):
+            raise ArgumentError(
+                f"{viewpoints} viewpoints, expected from 1 to {len(among)}, the number of reachable points; "
+                "choose fewer or sample more"
+            )
+        viewpoints = well_spread(points, among, viewpoints)
     return ViewpointMap(
         points=points,
         reachable=reached,
         edges=neighbour_edges(points, reached),
-        chosen=chosen,
-        names=tuple(f"p{k + 1}" for k in range(len(chosen))),
+        chosen=tuple(viewpoints),
+        names=tuple(f"p{k + 1}" for k in range(len(viewpoints))),
         sampling=sampling,
         lowest=lowest,
         note=note,
         neighbours_only=neighbours_only,
     )
-
-
-def _reached(points: Points, reachable: Reachable | None, lowest: float) -> NDArray[np.bool_]:
-    high: NDArray[np.bool_] = direction_of(points)[1] >= lowest
-    if reachable is None:
-        return high
-    belt_end = np.zeros(3)
-    asked = [bool(up and reachable(look_at(eye, belt_end))) for up, eye in zip(high, points, strict=True)]
-    return np.array(asked)
-
-
-def _chosen(points: Points, reached: NDArray[np.bool_], viewpoints: int | Sequence[int]) -> tuple[int, ...]:
-    if not isinstance(viewpoints, int):
-        return tuple(viewpoints)
-    among = np.flatnonzero(reached).tolist()
-    if not 1 <= viewpoints <= len(among):
-        raise ArgumentError(
-            f"{viewpoints} viewpoints, expected from 1 to {len(among)}, the number of reachable points; "
-            "choose fewer or sample more"
-        )
-    return tuple(well_spread(points, among, viewpoints))

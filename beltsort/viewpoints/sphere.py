@@ -33,7 +33,7 @@ class Sampling:
     Raises
     ------
     ArgumentError
-        If the method is unknown or a number has no sense.
+        If the method is unknown or a number is out of range.
 
     References
     ----------
@@ -52,7 +52,7 @@ class Sampling:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be sampled."""
+        """Check method and numbers."""
         if self.method not in METHODS:
             raise ArgumentError(f"there is no method {self.method!r}; choose from {', '.join(METHODS)}")
         if self.count < 1:

@@ -10,8 +10,7 @@ from distributed import Client
 from beltsort.cli import main
 from beltsort.errors import SweepError
 from beltsort.sweep.cluster import Certificates, Cluster
-from beltsort.sweep.engine import run_points
-from beltsort.sweep.store import RowStore
+from beltsort.sweep.engine import RowStore, run_points
 from tests.sweep import tasks
 from tests.sweep.certificates import make_certificates
 from tests.sweep.cluster_processes import cluster

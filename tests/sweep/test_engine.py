@@ -8,9 +8,7 @@ import pytest
 import beltsort
 from beltsort.errors import SweepError
 from beltsort.sweep import engine
-from beltsort.sweep.attempt import attempt
-from beltsort.sweep.engine import run_points, version
-from beltsort.sweep.store import RowStore
+from beltsort.sweep.engine import RowStore, attempt, run_points, version
 from tests.sweep import tasks
 
 pytestmark = pytest.mark.process

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.sweep.store import FILE, RowStore
+from beltsort.sweep.engine import FILE, RowStore
 from tests.sweep.gated_run import ALL, FREE, run
 from tests.waiting import PATIENCE, alive, wait_until
 

@@ -12,9 +12,9 @@ from pyarrow import parquet
 
 from beltsort.cli import main
 from beltsort.errors import SweepError
+from beltsort.sweep.engine import RowStore
 from beltsort.sweep.parquet import write_rows
 from beltsort.sweep.run import Sweep
-from beltsort.sweep.store import RowStore
 from tests.sweep.test_file import MODEL, PLANNER, load
 
 pytestmark = pytest.mark.process

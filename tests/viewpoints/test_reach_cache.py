@@ -10,7 +10,7 @@ import pytest
 from beltsort.errors import ViewpointError
 from beltsort.geometry import Pose, look_at
 from beltsort.viewpoints.arm import Arm
-from beltsort.viewpoints.memory import RememberingArm
+from beltsort.viewpoints.reach_cache import CachedArm
 
 from .gantry import TIP, gantry
 
@@ -43,9 +43,9 @@ def arm(tmp_path: Path) -> Arm:
 def test_a_pose_is_searched_once(tmp_path: Path, arm: Arm, counting: Counting) -> None:
     far = look_at(np.array([2.0, 0.1, 0.4]), np.zeros(3))
     for _ in range(3):
-        remembering = RememberingArm(arm, tmp_path / "new" / "cache")
-        assert remembering(POSE)
-        assert not remembering(far)
+        cached = CachedArm(arm, tmp_path / "new" / "cache")
+        assert cached(POSE)
+        assert not cached(far)
     assert counting.searches == 2
 
 
@@ -63,31 +63,31 @@ def test_a_pose_is_searched_once(tmp_path: Path, arm: Arm, counting: Counting) -
 def test_another_arm_is_searched_anew(
     tmp_path: Path, arm: Arm, counting: Counting, change: dict[str, Any]
 ) -> None:
-    RememberingArm(arm, tmp_path)(POSE)
-    RememberingArm(dataclasses.replace(arm, **change), tmp_path)(POSE)
+    CachedArm(arm, tmp_path)(POSE)
+    CachedArm(dataclasses.replace(arm, **change), tmp_path)(POSE)
     assert counting.searches == 2
 
 
 def test_another_urdf_is_searched_anew_the_same_elsewhere_is_not(
     tmp_path: Path, arm: Arm, counting: Counting
 ) -> None:
-    RememberingArm(arm, tmp_path)(POSE)
+    CachedArm(arm, tmp_path)(POSE)
     (tmp_path / "copy.urdf").write_bytes(arm.urdf.read_bytes())
-    RememberingArm(dataclasses.replace(arm, urdf=tmp_path / "copy.urdf"), tmp_path)(POSE)
+    CachedArm(dataclasses.replace(arm, urdf=tmp_path / "copy.urdf"), tmp_path)(POSE)
     assert counting.searches == 1
     arm.urdf.write_text(arm.urdf.read_text().replace("0.4", "0.1"))
-    assert not RememberingArm(dataclasses.replace(arm), tmp_path)(POSE)
+    assert not CachedArm(dataclasses.replace(arm), tmp_path)(POSE)
     assert counting.searches == 2
 
 
 def test_a_cache_that_cannot_be_used_is_an_error(tmp_path: Path, arm: Arm) -> None:
     (tmp_path / "reach.sqlite").write_text("no database, and long enough to be told from an empty one" * 20)
     with pytest.raises(ViewpointError, match=r"reach\.sqlite\b.*not a database.*XDG_CACHE_HOME"):
-        RememberingArm(arm, tmp_path)(POSE)
+        CachedArm(arm, tmp_path)(POSE)
     with pytest.raises(ViewpointError, match=r"reach\.sqlite\b.*File exists.*XDG_CACHE_HOME"):
-        RememberingArm(arm, tmp_path / "reach.sqlite")(POSE)
+        CachedArm(arm, tmp_path / "reach.sqlite")(POSE)
 
 
 def test_a_urdf_that_is_not_there(tmp_path: Path, arm: Arm) -> None:
     with pytest.raises(ViewpointError, match=r"absent\.urdf\b.*No such file"):
-        RememberingArm(dataclasses.replace(arm, urdf=tmp_path / "absent.urdf"), tmp_path)(POSE)
+        CachedArm(dataclasses.replace(arm, urdf=tmp_path / "absent.urdf"), tmp_path)(POSE)

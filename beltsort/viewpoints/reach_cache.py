@@ -1,4 +1,4 @@
-"""What an arm was found to reach, kept in the user's cache folder."""
+"""Results of an arm's reachability tests, kept in the user's cache folder."""
 
 import hashlib
 import json
@@ -20,11 +20,11 @@ SCHEMA = "CREATE TABLE IF NOT EXISTS poses (key TEXT PRIMARY KEY, reachable INTE
 
 
 @dataclass(frozen=True)
-class RememberingArm:
-    """An arm that searches for each pose once.
+class CachedArm:
+    """An arm whose result for each pose is computed once.
 
-    An answer is kept under all that it depends on: the URDF's content, every attribute of the arm, the pose,
-    pinocchio's version and the code of the search.
+    A result is stored under a hash of all that it depends on: the URDF's content, the attributes of the arm,
+    the pose, pinocchio's version and the code of the search.
 
     Attributes
     ----------
@@ -51,7 +51,11 @@ class RememberingArm:
             with closing(sqlite3.connect(self.path, isolation_level=None)) as database:
                 database.execute("PRAGMA synchronous=OFF")
                 database.execute(SCHEMA)
-                return self._ask(database, key, world_from_camera)
+                found = database.execute("SELECT reachable FROM poses WHERE key = ?", (key,)).fetchone()
+                if found is None:
+                    found = (self.arm(world_from_camera),)
+                    database.execute("INSERT OR REPLACE INTO poses VALUES (?, ?)", (key, *found))
+                return bool(found[0])
         except (OSError, sqlite3.Error) as reason:
             raise ViewpointError(
                 f"the cache {self.path} cannot be used: {reason}; delete it or point XDG_CACHE_HOME elsewhere"
@@ -61,13 +65,6 @@ class RememberingArm:
     def path(self) -> Path:
         """The cache's file."""
         return (self.cache or user_cache_path("beltsort")) / "reach.sqlite"
-
-    def _ask(self, database: sqlite3.Connection, key: str, world_from_camera: Pose) -> bool:
-        found = database.execute("SELECT reachable FROM poses WHERE key = ?", (key,)).fetchone()
-        if found is None:
-            found = (self.arm(world_from_camera),)
-            database.execute("INSERT OR REPLACE INTO poses VALUES (?, ?)", (key, *found))
-        return bool(found[0])
 
     @cached_property
     def _depends_on(self) -> bytes:
