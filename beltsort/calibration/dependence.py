@@ -70,7 +70,7 @@ def collect_looks(
     objects
         Number of objects.
     seed, workers, progress
-        As in `beltsort.tables.collect_counts`.
+        As in `beltsort.sim.collect.collect_counts`.
 
     Raises
     ------

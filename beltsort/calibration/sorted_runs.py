@@ -92,7 +92,7 @@ def sort_many(
 ) -> list[list[SortedRun]]:
     """Sort objects of all classes with each of the models, planned by DESPOT.
 
-    As with `beltsort.tables.collect_training`, a script calls this under `if __name__ == "__main__":`.
+    As with `beltsort.sim.collect.collect_training`, a script calls this under `if __name__ == "__main__":`.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def sort_many(
     seed
         Not negative.
     workers, progress
-        As in `beltsort.tables.collect_counts`.
+        As in `beltsort.sim.collect.collect_counts`.
 
     Returns
     -------

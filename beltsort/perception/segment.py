@@ -14,7 +14,7 @@ from beltsort.perception.clean import main_clusters, several_objects, voxel_mean
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.finding import Finding
 from beltsort.perception.level import levelled
-from beltsort.perception.visibility import crossings, image_border, share_seen, touch
+from beltsort.perception.visibility import crossings, image_border, share_seen, within_gap
 
 MOST_POINTS = 4_000_000  # more than a depth camera's; beyond, evenly thinned, so that memory is bounded
 PLAUSIBLE_DISTANCES = (0.02, 20.0)  # metres from the camera
@@ -143,7 +143,7 @@ class View:
     @cached_property
     def above(self) -> Points:
         """The finite points between rim and top of the crop, shape (n, 3), world frame."""
-        return self._between(self.points, self.height)
+        return self._above_rims(self.points, self.height)
 
     @cached_property
     def passed(self) -> Points:
@@ -152,7 +152,7 @@ class View:
 
     def cropped(self, position: int) -> Points:
         """Return all points above one cup, shape (n, 3), world frame."""
-        return self._about(self.above, position)
+        return self._in_cylinder(self.above, position)
 
     def candidate(self, position: int) -> Points:
         """Return the cleaned points above one cup, shape (n, 3), world frame; n = 0 if there are too few."""
@@ -174,16 +174,19 @@ class View:
         return Finding.OBJECT if len(candidate) >= self.config.fewest_labelled else Finding.TOO_FEW
 
     def _cut_off(self, position: int, candidate: Points) -> bool:
-        above = self._between(self.border, _heights(self.border, self.world_from_camera))
-        border = voxel_means(self._about(above, position), self.config.voxel)
-        return touch(border, candidate, self.config.cluster_gap)
+        """Whether the candidate reaches the edge of the image."""
+        above = self._above_rims(self.border, _heights(self.border, self.world_from_camera))
+        border = voxel_means(self._in_cylinder(above, position), self.config.voxel)
+        return within_gap(border, candidate, self.config.cluster_gap)
 
-    def _between(self, points: Points, height: NDArray[np.float64]) -> Points:
+    def _above_rims(self, points: Points, height: NDArray[np.float64]) -> Points:
+        """Return the points between rim and top of the crop, world frame."""
         with np.errstate(invalid="ignore"):
             inside = (height > self.base) & (height < self.layout.crop_height)
         return transform(self.world_from_camera, points[np.flatnonzero(inside)])
 
-    def _about(self, above: Points, position: int) -> Points:
+    def _in_cylinder(self, above: Points, position: int) -> Points:
+        """Return the points within the upright cylinder about a position."""
         from_axis = above[:, :2] - self.layout.centre(position)[:2]
         inside: NDArray[np.bool_] = (from_axis**2).sum(axis=1) < self.layout.crop_radius**2
         return above[inside]

@@ -62,6 +62,6 @@ def image_border(points: Points) -> Points:
     return np.concatenate([band.reshape(-1, 3) for band in bands])
 
 
-def touch(a: Points, b: Points, gap: float) -> bool:
+def within_gap(a: Points, b: Points, gap: float) -> bool:
     """Whether any point of `a`, shape (n, 3), lies within `gap` of one of `b`, shape (m, 3)."""
     return any(bool((((b - point) ** 2).sum(axis=1) < gap**2).any()) for point in a)

@@ -1,7 +1,7 @@
 """Points run on a Dask cluster (extra `cluster`).
 
 Scheduler and workers exchange Python objects and run what they are sent: whoever can talk to them can run
-anything. So an address that is not this machine's own is used only with TLS, both sides certified.
+anything. So the address of another machine is used only with TLS and certificates on both sides.
 """
 
 from collections.abc import Callable, Sequence

@@ -107,8 +107,8 @@ def run_points(
     """Run a task on every point that the store has no row of.
 
     A row is on disk before it is reported: Ctrl-C or a kill loses only points that were running. The same
-    points give the same rows whatever the number of processes and the order in which they finish, provided that the
-    task is a function of its point.
+    points give the same rows whatever the number of processes and the order in which they finish, provided
+    that the task is a function of its point.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ def label_recording(
     database
         The classifier; its classes must be the recording's.
     workers, progress
-        As in `collect_counts`.
+        As in `beltsort.util.processes.in_processes`.
     log
         Keeps each label as soon as it is known. Scans are recognised by the content of their clouds and their
         poses, so correcting a class in the manifest needs no scan to be labelled again.

@@ -31,7 +31,9 @@ def table_one(p_obs: Array, classes: Sequence[str], viewpoints: Sequence[str], t
         Index of the true class.
     """
     title = f"p(observed | true = {classes[true]}), position 1"
-    rows = [[name, *_numbers(row)] for name, row in zip(viewpoints, p_obs[0, :, true], strict=True)]
+    rows = [
+        [name, *(f"{p:.3f}" for p in row)] for name, row in zip(viewpoints, p_obs[0, :, true], strict=True)
+    ]
     return _text(title, ["", *classes], rows)
 
 
@@ -52,7 +54,7 @@ def table_two(
     positions = range(len(p_obs))
     header = ["true", "view", *(f"{name} @{j + 1}" for j in positions for name in classes)]
     rows = [
-        [classes[true], name, *(cell for j in positions for cell in _numbers(p_obs[j, k, true]))]
+        [classes[true], name, *(cell for j in positions for cell in map("{:.3f}".format, p_obs[j, k, true]))]
         for true in (range(len(classes)) if trues is None else trues)
         for k, name in enumerate(viewpoints)
     ]
@@ -105,10 +107,6 @@ def independence_text(tests: Sequence[IndependenceTest], viewpoints: Sequence[st
     ]  # fmt: skip
     header = ["assumed independent", "view", "positions", "scans", "excess", "p"]
     return _text("tests of independence given the classes", header, rows)
-
-
-def _numbers(row: Array) -> list[str]:
-    return [f"{p:.3f}" for p in row]
 
 
 def _text(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from beltsort.geometry import BeltLayout, look_at
 from beltsort.perception import Finding, PerceptionConfig, segment
-from beltsort.perception.visibility import crossings, image_border, share_seen, touch
+from beltsort.perception.visibility import crossings, image_border, share_seen, within_gap
 from beltsort.sim import ArmErrors, CellConfig, SensorNoise, SimulatedCell
 from tests.laws import cases
 from tests.perception.belt_scene import Scene, SyntheticScan
@@ -131,16 +131,16 @@ def test_lines_of_sight_pass_the_level_where_they_should() -> None:
     assert np.allclose(crossings(points, world[:, 2], pose, 0.5), [[0.2, 0.1]])
 
 
-def test_the_border_of_an_image_and_what_touches() -> None:
+def test_the_border_of_an_image_and_what_within_gapes() -> None:
     image = np.arange(7 * 9 * 3, dtype=float).reshape(7, 9, 3)
     border = {tuple(point) for point in image_border(image)}
     assert border == {tuple(point) for point in image.reshape(-1, 3)} - {
         tuple(point) for point in image[2:-2, 2:-2].reshape(-1, 3)
     }
     assert image_border(image[:4]).shape == image_border(image.reshape(-1, 3)).shape == (0, 3)
-    assert touch(np.zeros((1, 3)), np.full((2, 3), 0.5), 0.9)
-    assert not touch(np.zeros((1, 3)), np.full((2, 3), 0.5), 0.8)
-    assert not touch(np.zeros((0, 3)), np.zeros((2, 3)), 1.0)
+    assert within_gap(np.zeros((1, 3)), np.full((2, 3), 0.5), 0.9)
+    assert not within_gap(np.zeros((1, 3)), np.full((2, 3), 0.5), 0.8)
+    assert not within_gap(np.zeros((0, 3)), np.zeros((2, 3)), 1.0)
 
 
 def test_more_positions_more_outcomes(scene: Scene) -> None:
