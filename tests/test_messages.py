@@ -197,7 +197,7 @@ MESSAGES: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
     "key of a sweep": (
         sweep("levle = 1"),
         SweepError,
-        "the sweep sweep.toml: there is no key 'levle'; did you mean 'level'? Known: level, "
+        "the sweep sweep.toml: levle: is an unknown key; did you mean 'level'? Known: level, "
         "seeds, model, planner, cell, tables, scans",
     ),
     "policy of a sweep": (
@@ -209,7 +209,8 @@ MESSAGES: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
     "viewpoints file": (
         viewpoints_file,
         ViewpointError,
-        "views.json: graph has the unknown key 'edge'; did you mean 'edges'? Known: points, reachable, edges",
+        "views.json: graph.edges: is missing; add it: Pairs of neighbours, indices of points\n"
+        "graph.edge: is an unknown key; did you mean 'edges'? Known: points, reachable, edges",
     ),
 }
 

@@ -19,7 +19,7 @@ KINDS = {"decisions": decision_pairs, "steps": step_pairs}
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """How one model sorted.
+    """The results of sorting with one model.
 
     Attributes
     ----------

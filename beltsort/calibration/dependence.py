@@ -129,12 +129,12 @@ class Dependence:
 
 
 def dependences(looks: ObjectLooks, seed: int = 0) -> list[Dependence]:
-    """Measure the dependence of all kinds of pairs; kinds that have none are left out.
+    """Measure the dependence for each kind of pairs; kinds without a pair are left out.
 
     Parameters
     ----------
     looks
-        At at least two objects of each class.
+        Of at least two objects of each class.
     seed
         Of the bootstrap.
     """
@@ -146,9 +146,9 @@ def dependences(looks: ObjectLooks, seed: int = 0) -> list[Dependence]:
     # Shape (n, looks, L): a row of zeros where there is no label.
     one_hot: Array = (labels[:, :, np.newaxis] == np.arange(classes)).astype(np.float64)
     wrong = 1.0 - one_hot[np.arange(n), :, looks.true] - (one_hot.sum(axis=2) == 0)
-    everything = _Weighted(one_hot, wrong, looks.true, np.ones(n))
+    everything = _PairSums(one_hot, wrong, looks.true, np.ones(n))
     samples = [
-        _Weighted(one_hot, wrong, looks.true, rng.multinomial(n, np.full(n, 1.0 / n)).astype(np.float64))
+        _PairSums(one_hot, wrong, looks.true, rng.multinomial(n, np.full(n, 1.0 / n)).astype(np.float64))
         for _ in range(RESAMPLES)
     ]
     found = []
@@ -164,10 +164,10 @@ def dependences(looks: ObjectLooks, seed: int = 0) -> list[Dependence]:
     return found
 
 
-class _Weighted:
-    """Sums over weighted objects, shape (looks, looks) each: every look with every other.
+class _PairSums:
+    """Sums over objects, with weights, for every pair of looks; each has the shape (looks, looks).
 
-    Chance pairs a look of one object with a look of another object of its class.
+    The sums for chance are over pairs of a look at one object and a look at another object of its class.
     """
 
     def __init__(self, one_hot: Array, wrong: Array, true: NDArray[np.int64], weights: Array) -> None:

@@ -1,11 +1,11 @@
 """The neighbour graph on the half-sphere: to the nearest point north, south, east and west.
 
-North is the way to the point straight above the belt end, east the way of growing azimuth, a bearing the
-angle between north and the great circle to another point, as on a globe. At the very top, where every way
-leads south, they are what they become on the way up along azimuth 0.
+North is the direction towards the point straight above the belt end, east that of growing azimuth; a bearing
+is the angle between north and the great circle to another point, as on a globe. At the top itself, where
+north is undefined, north and east are their limits on the way up along azimuth 0.
 
-The four bearings leave no direction out and distance has no limit, so an edge may span a gap of unreachable
-points; it says nothing about what stands in the way. For the same reason no sample's graph has been seen to
+The four quadrants cover all directions and distance is not limited, so an edge may span a gap of unreachable
+points; it does not mean that the way is free. For the same reason no sample's graph has been seen to
 fall into parts, but that is not proven: users of a graph check it (`components`).
 """
 
