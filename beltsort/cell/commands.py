@@ -1,10 +1,11 @@
-"""Commands to a cell's devices: what becomes of them, and how to wait for it no longer than a deadline."""
+"""Commands to a cell's devices: what they can be, what becomes of them, how long to wait for that."""
 
 from collections.abc import Callable
 from concurrent.futures import Future, wait
+from dataclasses import dataclass
 from enum import Enum
 from threading import Thread
-from typing import TypeVar
+from typing import ClassVar, TypeAlias, TypeVar
 
 from beltsort.errors import CellError
 
@@ -12,6 +13,76 @@ Result = TypeVar("Result")
 
 TIMEOUT = 30.0
 """Seconds that a command may take if the caller says nothing."""
+
+
+class _Commanded:
+    """What all acts have in common.
+
+    Attributes
+    ----------
+    verb
+        Names the kind of act in journals, ids and texts.
+    """
+
+    verb: ClassVar[str]
+
+    @property
+    def target(self) -> int:
+        """The number that the device is to reach."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        return f"{self.verb} {self.target}"
+
+
+@dataclass(frozen=True)
+class MoveTo(_Commanded):
+    """Bring the camera to a viewpoint."""
+
+    verb = "move"
+    viewpoint: int
+
+    @property
+    def target(self) -> int:
+        """The viewpoint."""
+        return self.viewpoint
+
+
+@dataclass(frozen=True)
+class AdvanceTo(_Commanded):
+    """Bring an object to the belt end."""
+
+    verb = "advance"
+    object: int
+
+    @property
+    def target(self) -> int:
+        """The object's number."""
+        return self.object
+
+
+@dataclass(frozen=True)
+class SortInto(_Commanded):
+    """Put the object at the belt end into a bin.
+
+    Examples
+    --------
+    >>> str(SortInto(2))
+    'sort 2'
+    """
+
+    verb = "sort"
+    bin: int
+
+    @property
+    def target(self) -> int:
+        """The bin."""
+        return self.bin
+
+
+Act: TypeAlias = MoveTo | AdvanceTo | SortInto
+"""What an actuator can be commanded to do: a closed set."""
 
 
 class Outcome(Enum):

@@ -191,6 +191,15 @@ class KnowsPoses(Protocol):
 
 
 @runtime_checkable
+class NumbersBins(Protocol):
+    """A cell whose sorter has numbers of its own for the bins."""
+
+    @property
+    def bin_numbers(self) -> Sequence[int]:
+        """The sorter's number of each label's bin, of the reject bin's last; empty: the labels themselves."""
+
+
+@runtime_checkable
 class FollowsBelt(Protocol):
     """A simulated world that has no belt of its own in this cell."""
 

@@ -197,7 +197,7 @@ def restore(devices: Sequence[object], where: Progress) -> None:
             device.restore(
                 where.index,
                 first=where.first,
-                looks=where.glances,
+                looks=where.scans,
                 taken=where.taken,
                 clock=where.stopped,
             )

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError, BeltsortError
+from beltsort.cell.commands import SortInto
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.cells import add_cell, tell_pretence
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
@@ -140,12 +141,13 @@ def waits_for(answer: Answer, broken_off: "Progress") -> bool:
     if answer is Answer.PASSED:
         return True
     pending = broken_off.pending
-    return pending is not None and pending.name == "sort" and broken_off.told is None
+    sorting = pending is not None and isinstance(pending.act, SortInto)
+    return sorting and broken_off.known_outcome is None
 
 
 def ask(hold: Hold) -> Answer | None:
     """Ask at the terminal which of the ways is gone."""
-    where = "" if hold.command is None else f" at {hold.command.name} {hold.command.target}"
+    where = "" if hold.command is None else f" at {hold.command.act}"
     tell(f"held{where}: {hold.reason}.")
     ways = {"again" if way.answer is None else way.answer.value: way for way in hold.ways}
     for word, way in ways.items():

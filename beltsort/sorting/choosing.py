@@ -2,6 +2,7 @@
 
 from beltsort._core import Decide, Despot, Move, PolicyError
 from beltsort.cell import Cell
+from beltsort.cell.commands import MoveTo
 from beltsort.planning.policy import Policy
 from beltsort.sorting.commander import Commander
 from beltsort.sorting.entries import Chosen, Decided, Planned, Skipped
@@ -37,7 +38,7 @@ class Chooser:
         self._progress, self._model = record.progress, record.progress.model
 
     def choose(self) -> None:
-        """Skip an empty place, decide where a rule says so, or do what the policy names.
+        """Skip an empty cup, decide where a rule says so, or do what the policy names.
 
         Raises
         ------
@@ -47,38 +48,25 @@ class Chooser:
             As `Commander.issue`, and whatever the policy raises.
         """
         belt_end, (most_likely, _) = self._progress.visible[0], self._progress.belief.most_likely(0)
-        if self._known_empty():
-            self._skip(decided=False)
-        elif confirming := self._confirmation():
-            self._commander.issue("move", confirming.viewpoint)
+        legal = self._model.travel[self._progress.viewpoint]
+        no_class_for_empty = self._model.empty is None
+        if no_class_for_empty and belt_end.known_empty(self._rules, legal):
+            self._record(Skipped(belt_end.empty, decided=False))
+        elif no_class_for_empty and belt_end.empty and legal:
+            # From a viewpoint not tried yet, if possible.
+            move = Move(min(legal, key=lambda viewpoint: (viewpoint in belt_end.empty, viewpoint)))
+            self._record(Chosen(_plain(move), why="the belt end was seen empty: look again"))
+            self._commander.issue(MoveTo(move.viewpoint))
         elif belt_end.looks >= self._rules.max_looks:
             self._decide(most_likely, forced="max_looks")
         elif belt_end.impossible >= self._rules.impossible_labels:
             self._decide(most_likely, forced="impossible_labels")
         else:
-            self._follow_policy()
-
-    def _follow_policy(self) -> None:
-        match self._plan():
-            case Move(viewpoint):
-                self._commander.issue("move", viewpoint)
-            case Decide(label):
-                self._decide(label)
-
-    def _known_empty(self) -> bool:
-        """Whether the rule of `empty_looks` says that the belt end is empty."""
-        reachable = self._model.travel[self._progress.viewpoint]
-        return self._model.empty is None and self._progress.visible[0].known_empty(self._rules, reachable)
-
-    def _confirmation(self) -> Move | None:
-        """Return the move that would confirm an empty belt end, to a viewpoint not tried yet if possible."""
-        tried = self._progress.visible[0].empty
-        legal = self._model.travel[self._progress.viewpoint]
-        if self._model.empty is not None or not tried or not legal:
-            return None
-        move = Move(min(legal, key=lambda viewpoint: (viewpoint in tried, viewpoint)))
-        self._record(Chosen(_plain(move), why="the belt end was seen empty: look again"))
-        return move
+            match self._plan():
+                case Move(viewpoint):
+                    self._commander.issue(MoveTo(viewpoint))
+                case Decide(label):
+                    self._decide(label)
 
     def _plan(self) -> Move | Decide:
         """Ask the policy."""
@@ -113,23 +101,19 @@ class Chooser:
 
     def _decide(self, label: int, forced: str | None = None) -> None:
         """Write down where the object at the belt end goes; an empty cup goes nowhere."""
-        rejected = self._cell.reject_bin if forced is not None else None
+        belt_end, rejected = self._progress.visible[0], self._cell.reject_bin if forced is not None else None
         if self._model.classes[label] == self._model.empty and rejected is None:
-            self._skip(decided=True)
+            self._record(Skipped(belt_end.empty, decided=True))
             return
         self._record(
             Decided(
                 label=label if rejected is None else None,
                 bin=label if rejected is None else rejected,
                 belief=float(self._progress.belief.probabilities[0, label]),
-                looks=self._progress.visible[0].looks,
+                looks=belt_end.looks,
                 forced=forced,
             )
         )
-
-    def _skip(self, *, decided: bool) -> None:
-        """Pass over an empty place: nothing to sort."""
-        self._record(Skipped(self._progress.visible[0].empty, decided))
 
 
 def _plain(action: Move | Decide) -> dict[str, int]:

@@ -7,12 +7,15 @@ not belong. docs/recovery.md shows the same as tables.
 """
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from enum import Enum
-from typing import NamedTuple, TypeVar
+from functools import partial
+from typing import NamedTuple, TypeVar, assert_never
 
 from beltsort.cell import Actuator, Cell, CommandError, EmergencyStopError, Outcome
+from beltsort.cell.bins import bin_of
+from beltsort.cell.commands import Act, AdvanceTo, MoveTo, SortInto
 from beltsort.cell.protocols import NOWHERE, TellsPosition
 from beltsort.sorting.command import Command
 from beltsort.sorting.entries import (
@@ -41,24 +44,24 @@ class Step(Enum):
     ASK = "a person is asked whether it was done"
 
 
-STEPS: dict[tuple[str, Outcome], Step] = {
-    ("move", Outcome.DONE): Step.WAIT,
-    ("move", Outcome.RUNNING): Step.WAIT,
-    ("move", Outcome.NOT_DONE): Step.REPEAT,
-    ("move", Outcome.BROKEN_OFF): Step.REPEAT,
-    ("move", Outcome.UNKNOWN): Step.REPEAT,
-    ("advance", Outcome.DONE): Step.WAIT,
-    ("advance", Outcome.RUNNING): Step.WAIT,
-    ("advance", Outcome.NOT_DONE): Step.REPEAT,
-    ("advance", Outcome.BROKEN_OFF): Step.REPEAT,
-    ("advance", Outcome.UNKNOWN): Step.REPEAT,
-    ("sort", Outcome.DONE): Step.RECORD,
-    ("sort", Outcome.RUNNING): Step.WAIT,
-    ("sort", Outcome.NOT_DONE): Step.REPEAT,
-    ("sort", Outcome.BROKEN_OFF): Step.ASK,
-    ("sort", Outcome.UNKNOWN): Step.ASK,
+STEPS: dict[tuple[type[Act], Outcome], Step] = {
+    (MoveTo, Outcome.DONE): Step.WAIT,
+    (MoveTo, Outcome.RUNNING): Step.WAIT,
+    (MoveTo, Outcome.NOT_DONE): Step.REPEAT,
+    (MoveTo, Outcome.BROKEN_OFF): Step.REPEAT,
+    (MoveTo, Outcome.UNKNOWN): Step.REPEAT,
+    (AdvanceTo, Outcome.DONE): Step.WAIT,
+    (AdvanceTo, Outcome.RUNNING): Step.WAIT,
+    (AdvanceTo, Outcome.NOT_DONE): Step.REPEAT,
+    (AdvanceTo, Outcome.BROKEN_OFF): Step.REPEAT,
+    (AdvanceTo, Outcome.UNKNOWN): Step.REPEAT,
+    (SortInto, Outcome.DONE): Step.RECORD,
+    (SortInto, Outcome.RUNNING): Step.WAIT,
+    (SortInto, Outcome.NOT_DONE): Step.REPEAT,
+    (SortInto, Outcome.BROKEN_OFF): Step.ASK,
+    (SortInto, Outcome.UNKNOWN): Step.ASK,
 }
-"""By command and what the device says became of it.
+"""By act and what the device says became of it.
 
 A move or an advance may be repeated whatever became of it, as its target is absolute: a device that stands
 there already answers at once, and says since when. A sort may not.
@@ -105,25 +108,22 @@ class Commander:
         self._cell, self._progress, self._record = cell, progress, record
         self._rules, self._operator = rules, operator
 
-    def issue(self, name: str, target: int, *, arriving: bool = False) -> None:
+    def issue(self, act: Act, *, arriving: bool = False) -> None:
         """Carry out a new command; nothing, if it is learnt that the belt has passed objects.
 
         Raises
         ------
         HeldError
-            If it cannot be done, what became of it cannot be told, or the belt stands elsewhere than it
+            If it cannot be done, nobody can say what became of it, or the belt stands elsewhere than it
             should.
         EmergencyStopError
             If the emergency stop is pressed.
         """
-        index = self._progress.index
-        boot_id = self._asked(lambda: self._ready(name), None)
-        if not self._belt_stands(range(index, index + 1), None):
-            return
-        identity = f"{self._progress.run}-{name}-{self._progress.commands + 1}"
-        command = Command(identity, name, target, boot_id, arriving)
-        self._record(Intended(command))
-        self._finish(command, self._send(command))
+        boot_id = self._ask(partial(self._ready, act))
+        if self._belt_stands_at(self._expected()):
+            number = self._progress.commands + 1
+            command = Command(f"{self._progress.run}-{act.verb}-{number}", act, boot_id, arriving)
+            self._carry_out(command, self._begin(command))
 
     def settle(self, command: Command) -> None:
         """Carry out a command that a run broke off in: learn what became of it, and do what is left.
@@ -133,101 +133,81 @@ class Commander:
         HeldError, EmergencyStopError
             As `issue`.
         """
-        why, told = "the run was broken off here", self._progress.told
-        self._finish(command, Failure(told, why) if told is not None else self._failure(command, why))
+        why, known = "the run was broken off here", self._progress.known_outcome
+        self._carry_out(command, self._inquire(command, why) if known is None else Failure(known, why))
 
-    def _finish(self, command: Command, failure: Failure | None) -> None:
-        """Do what `STEPS` says until the command is done."""
-        delays = iter(self._rules.retry_delays)
+    def _carry_out(self, command: Command, failure: Failure | None) -> None:
+        """Do what `STEPS` says about a failure, and about every further one, until the command is done."""
+        delays = list(self._rules.retry_delays)
+        tries = len(delays) + 1
         while failure is not None:
-            step = None if failure.outcome is None else STEPS[command.name, failure.outcome]
-            match step:
-                case Step.RECORD:
-                    self._record(CommandDone(command.id))
-                    return
-                case Step.ASK:
-                    failure = self._told(command, failure)
-                    continue
-            delays = self._pause(delays, command, failure)
+            step = None if failure.outcome is None else STEPS[type(command.act), failure.outcome]
+            if step is Step.RECORD:
+                self._record(CommandDone(command.id))
+                return
+            if step is Step.ASK:
+                failure = self._ask_person(command, failure)
+                continue
+            self._wait(delays, f"it failed {tries} times, most recently: {failure}")
             match step:
                 case Step.WAIT:
-                    failure = self._send(command, before=failure)
+                    failure = self._send(command, sent_before=True)
                 case Step.REPEAT:
-                    again = self._again(command)
-                    if again is None:
+                    # Until the device is ready somebody may see to the cell: the belt is asked again then.
+                    if not self._belt_stands_at(self._expected()):
                         return
-                    command, failure = again, self._send(again)
-                case _:
-                    failure = self._failure(command, failure.why)
+                    boot_id = self._ask(partial(self._ready, command.act))
+                    if not self._belt_stands_at(self._expected()):
+                        return
+                    command = command.again(boot_id)
+                    failure = self._begin(command)
+                case None:
+                    failure = self._inquire(command, failure.why)
 
-    def _pause(self, delays: Iterator[float], command: Command, failure: Failure) -> Iterator[float]:
-        """Wait before the next attempt, longer each time; when all have failed, hold the run."""
-        delay = next(delays, None)
-        if delay is not None:
-            time.sleep(delay)
-            return delays
-        attempts = len(self._rules.retry_delays) + 1
-        self._hold(Hold(command, f"it failed {attempts} times, most recently: {failure}"))
-        return iter(self._rules.retry_delays)
+    def _begin(self, command: Command) -> Failure | None:
+        """Write down an attempt, then send it."""
+        if isinstance(command.act, SortInto):
+            into = bin_of(self._cell, command.act.bin)
+            self._record(Intended(command, into.name, into.number))
+        else:
+            self._record(Intended(command))
+        return self._send(command)
 
-    def _again(self, command: Command) -> Command | None:
-        """Write down the next attempt at a command; None if the belt has passed objects meanwhile.
+    def _send(self, command: Command, *, sent_before: bool = False) -> Failure | None:
+        """Send an attempt, and write down how it ended; return why it failed, if so.
 
-        The belt is asked once more when the device is ready: until then, somebody may have seen to the cell.
+        A device that cannot be reached when it is sent once more does not know whether it acted before.
         """
-        if not self._belt_stands(self._places(command), command):
-            return None
-        boot_id = self._asked(lambda: self._ready(command.name), command)
-        if not self._belt_stands(self._places(command), command):
-            return None
-        following = command.again(boot_id)
-        self._record(Intended(following))
-        return following
-
-    def _send(self, command: Command, before: Failure | None = None) -> Failure | None:
-        """Send an attempt; return why it failed, if so.
-
-        `before` tells of an attempt that was sent already. A device that then cannot be reached does not know
-        better than it did.
-        """
+        act, stopped = command.act, None
         try:
-            stopped = self._act(command)
-        except CommandError as failure:
-            refused = failure.outcome is Outcome.NOT_DONE and before is None
-            self._failed(command, failure, final=refused)
-            if isinstance(failure, EmergencyStopError):
+            match act:
+                case MoveTo(viewpoint):
+                    stopped = self._cell.arm.move_to(viewpoint, command.id)
+                case AdvanceTo(index):
+                    stopped = self._cell.belt.advance_to(index, command.id)
+                case SortInto(label):
+                    self._cell.sorter.sort(label, command.id)
+                case _:
+                    assert_never(act)
+        except CommandError as error:
+            never_acts = error.outcome is Outcome.NOT_DONE and not sent_before
+            self._record(CommandFailed(command.id, error.outcome.value, repr(error), final=never_acts))
+            if isinstance(error, EmergencyStopError):
                 raise
-            sure = refused or failure.outcome is Outcome.BROKEN_OFF
-            return Failure(failure.outcome, str(failure)) if sure else self._failure(command, str(failure))
+            if never_acts or error.outcome is Outcome.BROKEN_OFF:
+                return Failure(error.outcome, str(error))
+            return self._inquire(command, str(error))
         except BaseException as interrupt:
-            self._failed(command, interrupt, final=False)
+            self._record(CommandFailed(command.id, Outcome.UNKNOWN.value, repr(interrupt)))
             raise
-        if command.name == "advance" and not self._belt_stands(
-            range(command.target, command.target + 1), command
-        ):
+        if isinstance(act, AdvanceTo) and not self._belt_stands_at(range(act.object, act.object + 1)):
             return None  # it has passed the target, and a person said to go on
         self._record(CommandDone(command.id, stopped=stopped))
         return None
 
-    def _failed(self, command: Command, failure: BaseException, *, final: bool) -> None:
-        """Write down how an attempt failed, and whether it is certain that it never acts."""
-        outcome = failure.outcome if isinstance(failure, CommandError) else Outcome.UNKNOWN
-        self._record(CommandFailed(command.id, outcome.value, repr(failure), final))
-
-    def _act(self, command: Command) -> float | None:
-        cell, target, identity = self._cell, command.target, command.id
-        match command.name:
-            case "move":
-                return cell.arm.move_to(target, identity)
-            case "advance":
-                return cell.belt.advance_to(target, identity)
-            case _:
-                cell.sorter.sort(target, identity)
-                return None
-
-    def _failure(self, command: Command, why: str) -> Failure:
+    def _inquire(self, command: Command, why: str) -> Failure:
         """Ask the device what became of a command that failed."""
-        device = self._device(command.name)
+        device = self._device(command.act)
         try:
             outcome = device.outcome_of(command.id, command.boot_id)
             restarted = device.health().boot_id != command.boot_id
@@ -237,9 +217,10 @@ class Commander:
         unsure = restarted and outcome is Outcome.NOT_DONE
         return Failure(Outcome.UNKNOWN if unsure else outcome, why)
 
-    def _told(self, command: Command, failure: Failure) -> Failure:
+    def _ask_person(self, command: Command, failure: Failure) -> Failure:
         """Ask a person what became of a sort, and write the answer down."""
-        hold = in_doubt(command, self._progress.index, failure.outcome is Outcome.BROKEN_OFF, failure.why)
+        into, broken_off = bin_of(self._cell, command.act.target), failure.outcome is Outcome.BROKEN_OFF
+        hold = in_doubt(command, self._progress.index, into, broken_off, failure.why)
         answer = self._hold(hold)
         if answer not in hold.answers:
             raise HeldError(hold)
@@ -247,29 +228,79 @@ class Commander:
         self._record(Answered(command.id, outcome.value))
         return Failure(outcome, failure.why)
 
-    def _places(self, command: Command) -> range:
-        """Return the objects at which the belt may stand while a command is not done."""
-        index = self._progress.index
-        return range(index, (command.target if command.name == "advance" else index) + 1)
+    def _expected(self) -> range:
+        """Return the objects of which one is at the belt end; during an advance there are several."""
+        index, pending = self._progress.index, self._progress.pending
+        last = pending.act.target if pending is not None and isinstance(pending.act, AdvanceTo) else index
+        return range(index, last + 1)
 
-    def _belt_stands(self, expected: range, command: Command | None) -> bool:
+    def _belt_stands_at(self, expected: range) -> bool:
         """Hold the run while the belt says that it stands elsewhere than at one of the expected objects.
 
         Returns False if a person has said that it passed objects, from which the run goes on. During an
         advance the belt may stand between two objects. What cannot tell its position is believed.
         """
-        belt = self._cell.belt
-        on_its_way = command is not None and command.name == "advance"
+        belt, pending = self._cell.belt, self._progress.pending
+        advancing = pending is not None and isinstance(pending.act, AdvanceTo)
         while isinstance(belt, TellsPosition):
-            position = self._asked(belt.position, command)
-            if position is None or position in expected or (position == NOWHERE and on_its_way):
+            position = self._ask(belt.position)
+            if position is None or position in expected or (position == NOWHERE and advancing):
                 return True
-            needs_home = self._asked(belt.health, command).needs_home
-            answer = self._hold(astray(position, expected, command, needs_home))
+            needs_home = self._ask(belt.health).needs_home
+            answer = self._hold(astray(position, expected, pending, needs_home))
             if answer is Answer.PASSED:
                 self._record(ObjectsPassed(position))
                 return False
         return True
+
+    def _ready(self, act: Act) -> str:
+        """Return the boot id of a device that takes commands; hold the run while it takes none."""
+        while True:
+            health = self._device(act).health()
+            if health.emergency_stop:
+                raise EmergencyStopError(
+                    f"the emergency stop is pressed ({health.fault}); release it at the cell, then resume",
+                    Outcome.NOT_DONE,
+                )
+            if health.ready:
+                return health.boot_id
+            hold = Hold(self._progress.pending, f"the device for {act.verb} is not ready: {health.fault}")
+            if health.needs_home:
+                reason = f"{hold.reason}; look which object is at the belt end"
+                hold = replace(
+                    hold, reason=reason, ways=(*at_the_end(self._expected()), FURTHER), person=True
+                )
+            self._hold(hold)
+
+    def _device(self, act: Act) -> Actuator:
+        match act:
+            case MoveTo():
+                return self._cell.arm
+            case AdvanceTo():
+                return self._cell.belt
+            case SortInto():
+                return self._cell.sorter
+            case _:
+                assert_never(act)
+
+    def _ask(self, question: Callable[[], Result]) -> Result:
+        """Ask a device, again after each delay while it cannot be reached; then hold the run."""
+        delays = list(self._rules.retry_delays)
+        while True:
+            try:
+                return question()
+            except EmergencyStopError:
+                raise
+            except CommandError as failure:
+                self._wait(delays, str(failure))
+
+    def _wait(self, delays: list[float], reason: str) -> None:
+        """Wait before the next try; when all delays are used up, hold the run and begin anew."""
+        if delays:
+            time.sleep(delays.pop(0))
+        else:
+            self._hold(Hold(self._progress.pending, reason))
+            delays.extend(self._rules.retry_delays)
 
     def _hold(self, hold: Hold) -> Answer | None:
         """Ask a person, and write down that it was asked."""
@@ -279,49 +310,3 @@ class Commander:
         said = "mended" if answer is None else answer.value
         self._record(StateChanged(State.EXECUTE, f"a person said: {said}"))
         return answer
-
-    def _asked(self, ask: Callable[[], Result], command: Command | None) -> Result:
-        """Ask a device, again after each delay while it cannot be reached; then hold the run."""
-        delays = iter(self._rules.retry_delays)
-        while True:
-            try:
-                return ask()
-            except (EmergencyStopError, HeldError):
-                raise
-            except CommandError as failure:
-                delay = next(delays, None)
-                if delay is None:
-                    self._hold(Hold(command, str(failure)))
-                    delays = iter(self._rules.retry_delays)
-                else:
-                    time.sleep(delay)
-
-    def _ready(self, name: str) -> str:
-        """Return the boot id of a device that takes commands; hold the run while it takes none."""
-        while True:
-            health = self._device(name).health()
-            if health.emergency_stop:
-                raise EmergencyStopError(
-                    f"the emergency stop is pressed ({health.fault}); release it at the cell, then resume",
-                    Outcome.NOT_DONE,
-                )
-            if health.ready:
-                return health.boot_id
-            pending, index = self._progress.pending, self._progress.index
-            reason = f"the device for {name} is not ready: {health.fault}"
-            if health.needs_home:
-                places = range(index, index + 1) if pending is None else self._places(pending)
-                ways = (*at_the_end(places), FURTHER)
-                self._hold(
-                    Hold(pending, f"{reason}; look which object is at the belt end", ways, person=True)
-                )
-            else:
-                self._hold(Hold(pending, reason))
-
-    def _device(self, name: str) -> Actuator:
-        devices: dict[str, Actuator] = {
-            "move": self._cell.arm,
-            "sort": self._cell.sorter,
-            "advance": self._cell.belt,
-        }
-        return devices[name]

@@ -18,12 +18,12 @@ class DriftState:
     ----------
     watch
         Sees every scan; None if the run does without one.
-    told
-        Alarms that the journal tells of.
+    reported
+        Number of alarms that are written down.
     """
 
     watch: "DriftWatch | None" = None
-    told: int = 0
+    reported: int = 0
 
     @property
     def alarms(self) -> "tuple[Alarm, ...]":
@@ -31,9 +31,9 @@ class DriftState:
         return () if self.watch is None else tuple(self.watch.alarms)
 
     @property
-    def untold(self) -> "tuple[Alarm, ...]":
+    def unreported(self) -> "tuple[Alarm, ...]":
         """Alarms that are still to be written down."""
-        return self.alarms[self.told :]
+        return self.alarms[self.reported :]
 
     def begin(self, model: SortingModel, settings: dict[str, Any] | None) -> None:
         """Watch from here on, or go on watching if that is what is done already.
@@ -46,11 +46,11 @@ class DriftState:
             A `beltsort.sorting.rules.Drift` as plain data; None to watch no more.
         """
         if settings is None:
-            self.watch, self.told = None, 0
+            self.watch, self.reported = None, 0
         elif self.watch is None or self.watch.false_alarm != settings["false_alarm"]:
             from beltsort.tables import DriftWatch
 
-            self.watch, self.told = DriftWatch(model, false_alarm=settings["false_alarm"]), 0
+            self.watch, self.reported = DriftWatch(model, false_alarm=settings["false_alarm"]), 0
 
     def see(self, belief_before: Belief, viewpoint: int, labels: Sequence[int | None]) -> None:
         """Take in one scan."""
@@ -59,11 +59,11 @@ class DriftState:
 
     def snapshot(self) -> dict[str, Any]:
         """Return it as plain data."""
-        return {"watch": None if self.watch is None else self.watch.state(), "told": self.told}
+        return {"watch": None if self.watch is None else self.watch.state(), "told": self.reported}
 
     @classmethod
     def of_snapshot(cls, model: SortingModel, data: dict[str, Any]) -> "DriftState":
-        """Return what `snapshot` told of."""
+        """Return what `snapshot` returned as plain data."""
         if data["watch"] is None:
             return cls()
         from beltsort.tables import DriftWatch

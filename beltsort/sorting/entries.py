@@ -1,7 +1,8 @@
 """What the journal can tell: a closed set of frozen dataclasses.
 
-An entry is kept as its `kind` and a JSON object of its fields. A field whose default is None is left out
-while it is None; journals of older versions may lack any field that has a default. Times are seconds; labels,
+An entry is kept as its `kind` and a JSON object of its fields, whose names are part of the file's format; a
+command is kept as `beltsort.sorting.command.stored` says. A field whose default is None is left out while it
+is None; journals of older versions may lack any field that has a default. Times are seconds; labels,
 viewpoints and objects are numbers from 0; beliefs have shape (H, L).
 """
 
@@ -11,7 +12,7 @@ from enum import StrEnum
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, get_args
 
-from beltsort.sorting.command import Command
+from beltsort.sorting.command import Command, restored, stored
 from beltsort.sorting.rules import Seen
 
 if TYPE_CHECKING:
@@ -119,6 +120,10 @@ class Intended(Content):
 
     kind = "intent"
     command: Command
+    bin: str | None = None
+    """Name of the bin of a sort; None for another act, and in journals of older versions."""
+    number: int | None = None
+    """The sorter's own number of that bin, which it is sent."""
 
 
 @dataclass(frozen=True)
@@ -303,12 +308,20 @@ AnyContent: TypeAlias = (
 )
 
 
+COMMANDS = {Intended.kind: "command", Snapshot.kind: "pending"}
+"""Fields that hold a command, by the entry's kind."""
+
+
 def plain(content: AnyContent) -> dict[str, Any]:
     """Return the fields of an entry as plain data, fit for JSON."""
     left_out = {field.name for field in fields(content) if field.default is None}
-    return {
+    data = {
         name: value for name, value in asdict(content).items() if value is not None or name not in left_out
     }
+    match content:
+        case Intended(command=Command() as command) | Snapshot(pending=Command() as command):
+            data[COMMANDS[content.kind]] = stored(command)
+    return data
 
 
 def content_of(kind: str, data: Mapping[str, Any]) -> AnyContent:
@@ -324,6 +337,9 @@ def content_of(kind: str, data: Mapping[str, Any]) -> AnyContent:
     adapter = _adapters().get(kind)
     if adapter is None:
         raise ValueError(f"its kind is {kind!r}, expected one of {', '.join(_adapters())}")
+    commanding = COMMANDS.get(kind, "")
+    if isinstance(command := data.get(commanding), Mapping):
+        data = {**data, commanding: restored(command)}
     try:
         return adapter.validate_python(data)
     except ValidationError as reason:

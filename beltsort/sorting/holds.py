@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
+from beltsort.cell.bins import Bin
 from beltsort.cell.protocols import NOWHERE
 from beltsort.errors import CellError
 from beltsort.sorting.command import Command
@@ -87,7 +88,7 @@ class Hold:
 
     def __str__(self) -> str:
         """Return all of it in one line."""
-        where = "" if self.command is None else f" at {self.command.name} {self.command.target}"
+        where = "" if self.command is None else f" at {self.command.act}"
         return f"held{where}: {self.reason}. {'; '.join(map(str, self.ways))}"
 
 
@@ -114,14 +115,14 @@ def nobody(hold: Hold) -> Answer | None:
     raise HeldError(hold)
 
 
-def in_doubt(command: Command, index: int, broken_off: bool, why: str) -> Hold:
-    """Return the question what became of the sort of object `index`, which no device can tell."""
+def in_doubt(command: Command, index: int, into: Bin, broken_off: bool, why: str) -> Hold:
+    """Return the question what became of the sort of object `index` into a bin, which no device can tell."""
     known = "was broken off" if broken_off else "may or may not have been done"
     ways = (
-        Way(f"if object {index} is in bin {command.target}", Answer.DONE),
+        Way(f"if object {index} is in {into}", Answer.DONE),
         Way("if it is still at the belt end (put it back there if it lies elsewhere)", Answer.NOT_DONE),
     )
-    reason = f"the sort into bin {command.target} {known} ({why}), and the device cannot tell more; look"
+    reason = f"the sort into {into} {known} ({why}), and the device cannot tell more; look"
     return Hold(command, reason, ways, person=True)
 
 

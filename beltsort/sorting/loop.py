@@ -8,6 +8,7 @@ from uuid import uuid4
 import beltsort
 from beltsort._core import Despot, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
+from beltsort.cell.commands import AdvanceTo, MoveTo, SortInto
 from beltsort.cell.stopping import stopping
 from beltsort.errors import CellError
 from beltsort.planning.policy import Policy
@@ -17,7 +18,7 @@ from beltsort.sorting.entries import Drifted, Ended, Resumed, Started, State, St
 from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.observing import Observer, Perceive, PerceivedPosition
-from beltsort.sorting.progress import Owed, Progress
+from beltsort.sorting.progress import Next, Progress
 from beltsort.sorting.record import Record, progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.rules import Drift, Rules
@@ -65,12 +66,12 @@ def sort_objects(
         An open journal without entries. Its last entry is `end`, also after an error or an interrupt; after a
         kill or a power cut there is none.
     objects
-        Belt places to work through. An empty one is skipped: when `Rules.empty_looks` says so or, if the
-        model has a class for empty cups, when that is decided.
+        Objects to work through, empty cups included. An empty cup is skipped: when `Rules.empty_looks` says
+        so or, if the model has a class for empty cups, when that is decided.
     first
         Number of the object at the belt end now, as the belt counts.
     belt_ends
-        Whether nothing follows these objects. The policy is then asked with beliefs that tell how many places
+        Whether nothing follows these objects. The policy is then asked with beliefs that know how many
         are left (`Belief.remaining`); planners look longer at the last ones, as nothing waits behind them.
     rules
         Limits; default `Rules()`.
@@ -89,7 +90,7 @@ def sort_objects(
         carried out, or the tables no longer hold and `Drift.hold` says so;
         `resume_sorting` goes on once that is mended.
     HeldError
-        If a person must tell what became of a command.
+        If a person must say what became of a command.
     BeltsortError
         Whatever else the cell, perception or the policy raise.
     """
@@ -205,26 +206,26 @@ class _Loop:
         )
 
     def step(self) -> None:
-        """Do what is owed."""
+        """Do what comes next: what a run was broken off in first, and nothing before the camera stands."""
         progress = self.progress
-        if progress.drift.untold:
-            self.tell_drift()
+        if progress.drift.unreported:
+            self.report_drift()
         elif progress.pending is not None:
             self.commander.settle(progress.pending)
         elif not progress.arrived:
-            self.commander.issue("move", progress.viewpoint, arriving=True)
-        elif progress.owed is Owed.SCAN:
+            self.commander.issue(MoveTo(progress.viewpoint), arriving=True)
+        elif progress.next is Next.SCAN:
             self.observer.observe()
         elif progress.bin is not None:
-            self.commander.issue("sort", progress.bin)
-        elif progress.owed is Owed.ADVANCE:
-            self.commander.issue("advance", progress.index + 1)
+            self.commander.issue(SortInto(progress.bin))
+        elif progress.next is Next.ADVANCE:
+            self.commander.issue(AdvanceTo(progress.index + 1))
         else:
             self.chooser.choose()
 
-    def tell_drift(self) -> None:
+    def report_drift(self) -> None:
         """Write down the alarms of the watch over the tables, and hold the run if it is to be held."""
-        for alarm in self.progress.drift.untold:
+        for alarm in self.progress.drift.unreported:
             evidence = number_or_none(alarm.evidence)
             self.record(Drifted(alarm.position, alarm.viewpoint, alarm.looks, evidence))
         if self.drift is not None and self.drift.hold:

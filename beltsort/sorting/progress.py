@@ -10,7 +10,7 @@ from enum import Enum
 from typing import Any, assert_never
 
 from beltsort._core import Belief, SortingModel
-from beltsort.cell.commands import Outcome
+from beltsort.cell.commands import AdvanceTo, MoveTo, Outcome, SortInto
 from beltsort.errors import JournalError
 from beltsort.sorting.command import Command
 from beltsort.sorting.drift_state import DriftState
@@ -40,10 +40,10 @@ from beltsort.sorting.report import Decision
 from beltsort.sorting.rules import Seen
 
 
-class Owed(Enum):
+class Next(Enum):
     """What the loop has to do next."""
 
-    CHOICE = "choice"
+    CHOOSE = "choice"
     """Choose an action."""
     SCAN = "scan"
     """Scan from where the camera stands."""
@@ -82,7 +82,7 @@ class Progress:
     first
         Number of the object at the belt end at the start.
     objects
-        Belt places to work through.
+        Objects to work through, empty cups included.
     belt_ends
         Whether nothing follows them, which the belief then knows.
     index
@@ -95,17 +95,17 @@ class Progress:
         Moves and decisions so far.
     commands
         Commands so far, repeated ones once.
-    glances
+    scans
         Scans since the belt moved, unusable ones included.
-    strays
+    missed_arrivals
         Moves in a row that ended at another viewpoint.
     stopped
         When arm and belt stood still last, seconds on the cell's clock.
-    owed
+    next
         What to do next; a pending command goes before.
     pending
         The command that is not known to be done, in its latest attempt.
-    told
+    known_outcome
         What became of that attempt, if it is certain: it was refused, or a person has said so.
     bin
         Where the object at the belt end is to be sorted, from the decision until it is done.
@@ -128,12 +128,12 @@ class Progress:
     arrived: bool = False
     steps: int = 0
     commands: int = 0
-    glances: int = 0
-    strays: int = 0
+    scans: int = 0
+    missed_arrivals: int = 0
     stopped: float = 0.0
-    owed: Owed = Owed.CHOICE
+    next: Next = Next.CHOOSE
     pending: Command | None = None
-    told: Outcome | None = None
+    known_outcome: Outcome | None = None
     bin: int | None = None
     visible: list[Seen] = field(default_factory=list)
     drift: DriftState = field(default_factory=DriftState)
@@ -172,7 +172,7 @@ class Progress:
 
     @property
     def remaining(self) -> int | None:
-        """Places left to decide, the one at the belt end included; None on a belt that never ends."""
+        """Objects left to decide, the one at the belt end included; None on a belt that never ends."""
         return max(0, self.end - self.index) if self.belt_ends else None
 
     @property
@@ -195,37 +195,37 @@ class Progress:
             case Resumed(drift=drift):
                 self._resume(drift)
             case Intended(command):
-                self.pending, self.told = command, None
+                self.pending, self.known_outcome = command, None
                 self.commands += int(command.attempt == 1)
             case CommandDone(command_id, stopped=stopped):
                 self._done(self._pending(command_id), stopped)
             case CommandFailed(command_id, final=final):
                 self._pending(command_id)
-                self.told = Outcome.NOT_DONE if final else self.told
+                self.known_outcome = Outcome.NOT_DONE if final else self.known_outcome
             case Answered(command_id, outcome):
                 self._pending(command_id)
-                self.told = Outcome(outcome)
+                self.known_outcome = Outcome(outcome)
             case ObjectsPassed(index):
                 self._pass(index)
             case Scanned() as scan:
                 self._scan(scan)
             case ScanUnusable():
-                self.glances += 1
+                self.scans += 1
             case ScanElsewhere():
-                self.glances += 1
-                self.arrived, self.strays = False, self.strays + 1
+                self.scans += 1
+                self.arrived, self.missed_arrivals = False, self.missed_arrivals + 1
             case Drifted():
-                self.drift.told += 1
+                self.drift.reported += 1
             case Decided() as decided:
                 self._decide(decided)
             case Skipped(decided=was_planned):
                 self.steps += int(was_planned)
                 self.skipped.append(self.index)
-                self.owed = Owed.ADVANCE
+                self.next = Next.ADVANCE
             case Snapshot() as snapshot:
                 self._restore(snapshot)
             case StateChanged() | Planned() | Chosen() | Unheard() | Ended():
-                pass  # told for people: they change nothing
+                pass  # for people: they change nothing
             case content:
                 assert_never(content)
 
@@ -237,7 +237,7 @@ class Progress:
 
     def _resume(self, drift: dict[str, Any] | None) -> None:
         self.drift.begin(self.model, drift)
-        self.arrived, self.strays = False, 0  # somebody has seen to the arm
+        self.arrived, self.missed_arrivals = False, 0  # somebody has seen to the arm
         self.stopped = 0.0  # the clock may be another one since; the arm is moved before the next scan
 
     def _pending(self, command_id: str) -> Command:
@@ -249,40 +249,42 @@ class Progress:
         return self.pending
 
     def _done(self, command: Command, stopped: float | None) -> None:
-        self.pending = self.told = None
+        self.pending = self.known_outcome = None
         self.stopped = max(self.stopped, stopped or 0.0)
-        match command.name:
-            case "move":
-                self.viewpoint, self.arrived = command.target, True
+        match command.act:
+            case MoveTo(viewpoint):
+                self.viewpoint, self.arrived = viewpoint, True
                 if not command.arriving:
                     self.steps += 1
-                    self.owed = Owed.SCAN
-            case "sort":
+                    self.next = Next.SCAN
+            case SortInto():
                 self.bin = None
-            case "advance":
-                self._shift(command.target)
+            case AdvanceTo(index):
+                self._shift(index)
                 looks = self.model.observe_after_decision and self.index < self.end
-                self.owed = Owed.SCAN if looks else Owed.CHOICE
+                self.next = Next.SCAN if looks else Next.CHOOSE
+            case act:
+                assert_never(act)
 
     def _pass(self, index: int) -> None:
         """Go on where the belt stands: what went past the belt end unsorted is lost to the run."""
         if self.bin is not None:
             self.decisions.pop()  # it never reached its bin
-        dealt_with = self.owed is Owed.ADVANCE and self.bin is None  # sorted or skipped
+        dealt_with = self.next is Next.ADVANCE and self.bin is None  # sorted or skipped
         self.passed += range(self.index + dealt_with, min(index, self.end))
-        self.pending = self.told = self.bin = None
+        self.pending = self.known_outcome = self.bin = None
         while self.index < min(index, self.end):
             self._shift(self.index + 1)
-        self.owed, self.arrived = Owed.CHOICE, False  # somebody was at the cell
+        self.next, self.arrived = Next.CHOOSE, False  # somebody was at the cell
 
     def _shift(self, index: int) -> None:
-        """Let the belt have moved on by one place."""
-        self.index, self.glances = index, 0
+        """Let the belt have moved on by one object."""
+        self.index, self.scans = index, 0
         self.belief.advance()
         self.visible = [*self.visible[1:], Seen()]
 
     def _scan(self, scan: Scanned) -> None:
-        self.glances, self.strays = self.glances + 1, 0
+        self.scans, self.missed_arrivals = self.scans + 1, 0
         self.drift.see(self.belief, scan.viewpoint, scan.labels)
         self._believe(scan)
         dropped = {drop["position"] for drop in scan.dropped}
@@ -291,38 +293,41 @@ class Progress:
             seen.empty = [*seen.empty, scan.viewpoint] if scan.empty[position] else []
             if label is not None:
                 seen.impossible = seen.impossible + 1 if position in dropped else 0
-        self.owed = Owed.CHOICE
+        self.next = Next.CHOOSE
 
-    def _believe(self, told: Scanned | Snapshot) -> None:
-        self.belief = Belief(self.model, told.belief, told.last_labels, self.remaining)
+    def _believe(self, entry: Scanned | Snapshot) -> None:
+        self.belief = Belief(self.model, entry.belief, entry.last_labels, self.remaining)
 
     def _decide(self, decided: Decided) -> None:
         self.steps += 1
         self.decisions.append(
             Decision(self.index, decided.label, decided.belief, decided.looks, decided.forced)
         )
-        self.bin, self.owed = decided.bin, Owed.ADVANCE
+        self.bin, self.next = decided.bin, Next.ADVANCE
 
     def snapshot(self) -> Snapshot:
         """Return everything but what has left the belt."""
         return Snapshot(
             **{name: getattr(self, name) for name in _KEPT},
             model=self.model.to_json(),
+            glances=self.scans,
+            strays=self.missed_arrivals,
+            owed=self.next.value,
+            told=None if self.known_outcome is None else self.known_outcome.value,
             passed=list(self.passed),
             belief=self.belief.probabilities.tolist(),
             last_labels=self.belief.last_labels.tolist(),
-            owed=self.owed.value,
             visible=[replace(seen) for seen in self.visible],
-            told=None if self.told is None else self.told.value,
             drift=self.drift.snapshot(),
         )
 
     def _restore(self, snapshot: Snapshot) -> None:
         for name in _KEPT:
             setattr(self, name, getattr(snapshot, name))
+        self.scans, self.missed_arrivals = snapshot.glances, snapshot.strays
+        self.next = Next(snapshot.owed)
+        self.known_outcome = None if snapshot.told is None else Outcome(snapshot.told)
         self._believe(snapshot)
-        self.owed = Owed(snapshot.owed)
-        self.told = None if snapshot.told is None else Outcome(snapshot.told)
         self.visible = [replace(seen) for seen in snapshot.visible]
         self.passed = list(snapshot.passed)
         if snapshot.drift is not None:
@@ -331,6 +336,6 @@ class Progress:
 
 _KEPT = (
     *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived", "steps", "commands"),
-    *("glances", "strays", "stopped", "bin", "pending"),
+    *("stopped", "bin", "pending"),
 )
 """What a snapshot keeps under its own name."""

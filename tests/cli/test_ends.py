@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from beltsort import BeltsortError
-from beltsort.cell import Outcome
+from beltsort.cell import Outcome, SortInto
 from beltsort.cli import code_of, exit_codes, main
 from beltsort.cli.run import Settling
 from beltsort.drivers.fieldbus import FieldbusDevice
@@ -198,7 +198,7 @@ def test_an_answer_is_for_what_was_asked(folder: Path, capsys: pytest.CaptureFix
     assert main(["run", cell, "--resume", str(runs[-1]), "--settle", "done"]) == exit_codes.WRONG
     assert re.search(r"--settle is done\b.*\bno such answer\b", capsys.readouterr().err)
     broken_off = Progress.at_start(paper())
-    broken_off.index, broken_off.pending = 7, Command("5e-sort-3", "sort", 2, "boot")
+    broken_off.index, broken_off.pending = 7, Command("5e-sort-3", SortInto(2), "boot")
     ways = (Way("if it is", Answer.DONE), Way("if not", Answer.NOT_DONE))
     settling = Settling("done", broken_off)
     assert settling(Hold(broken_off.pending, "?", ways, object=7)) is Answer.DONE
@@ -206,7 +206,7 @@ def test_an_answer_is_for_what_was_asked(folder: Path, capsys: pytest.CaptureFix
         settling(Hold(broken_off.pending, "?", ways, object=7))
     with pytest.raises(HeldError):
         Settling("done", broken_off)(Hold(broken_off.pending, "?", ways, object=12))
-    broken_off.told = Outcome.NOT_DONE
+    broken_off.known_outcome = Outcome.NOT_DONE
     with pytest.raises(BeltsortError, match=r"\bgiven already\b"):
         Settling("not-done", broken_off)
 

@@ -37,13 +37,13 @@ class FileWorld:
     A label is drawn by (seed, object at the belt end, scan since the belt moved, position).
     """
 
-    def __init__(self, path: Path, glances: int = 0, kill_at: int | None = None) -> None:
+    def __init__(self, path: Path, scans: int = 0, kill_at: int | None = None) -> None:
         self.database = sqlite3.connect(path, isolation_level=None)
         self.database.execute(
             "CREATE TABLE IF NOT EXISTS acts "
             "(number INTEGER PRIMARY KEY, id TEXT UNIQUE, name TEXT, target INTEGER)"
         )
-        self.glances, self.kill_at = glances, kill_at
+        self.scans, self.kill_at = scans, kill_at
         self.true = np.random.default_rng(SEED).integers(len(MODEL.classes), size=OBJECTS + 2)
 
     classes, viewpoints, reject_bin = MODEL.classes, MODEL.viewpoints, None
@@ -77,7 +77,7 @@ class FileWorld:
             if number == self.kill_at:
                 kill()
         if name == "advance":
-            self.glances = 0
+            self.scans = 0
         return 0.0
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
@@ -94,9 +94,9 @@ class FileWorld:
         first, viewpoint = len(self.acts("advance")), self.acts("move")[-1]
         labels = []
         for j in range(MODEL.positions):
-            rng = np.random.default_rng((SEED, first, self.glances, j))
+            rng = np.random.default_rng((SEED, first, self.scans, j))
             labels.append(rng.choice(len(MODEL.classes), p=MODEL.p_obs[j, viewpoint, self.true[first + j]]))
-        self.glances += 1
+        self.scans += 1
         return Scan(np.array([[label, 0.0, 0.0] for label in labels]), np.eye(4), stamp=not_before)
 
 
@@ -116,8 +116,8 @@ def run(folder: Path, point: str, *, resume: bool) -> SortingReport:
             kill()
 
     path = folder / "journal.sqlite"
-    glances = progress_in(path).glances if resume else 0
-    world = FileWorld(folder / "world.sqlite", glances, int(number) if kind == "act" else None)
+    scans = progress_in(path).scans if resume else 0
+    world = FileWorld(folder / "world.sqlite", scans, int(number) if kind == "act" else None)
     with Journal(path, listener, resume=resume) as journal:
         if resume:
             return resume_sorting(world, perceive, planner(), journal)

@@ -96,14 +96,14 @@ def test_unnoticed_labels_are_taken_for_those_of_another_viewpoint(tmp_path: Pat
 def test_noticed_the_run_is_as_if_nothing_had_happened(tmp_path: Path, faultless: SortingReport) -> None:
     report, entries = run(tmp_path, WRONG)
     assert report == faultless, "decisions, beliefs, looks and steps"
-    strays = of_kind(entries, "wrong_viewpoint")
-    assert len(strays) == len(WRONG)
-    assert all(stray["stands_at"] == (stray["viewpoint"] + 1) % 3 for stray in strays)
-    assert all(stray["distance"] > 100.0 for stray in strays)
+    elsewhere = of_kind(entries, "wrong_viewpoint")
+    assert len(elsewhere) == len(WRONG)
+    assert all(scan["stands_at"] == (scan["viewpoint"] + 1) % 3 for scan in elsewhere)
+    assert all(scan["distance"] > 100.0 for scan in elsewhere)
     narrator = Narrator()
-    told = [line for entry in entries if (line := narrator.line(entry)) and "wrong viewpoint" in line]
-    assert len(told) == len(WRONG)
-    assert re.search(r"wrong viewpoint\b.*\bp\d\b", told[0])
+    lines = [line for entry in entries if (line := narrator.line(entry)) and "wrong viewpoint" in line]
+    assert len(lines) == len(WRONG)
+    assert re.search(r"wrong viewpoint\b.*\bp\d\b", lines[0])
 
 
 @pytest.mark.slow
@@ -122,7 +122,7 @@ def test_the_move_is_repeated_once_under_a_new_id_then_the_run_is_held(
     assert (first["command"]["target"], again["command"]["target"]) == (again["command"]["target"],) * 2
     assert first["command"]["id"] != again["command"]["id"]
     assert [first["command"]["arriving"], again["command"]["arriving"]] == [False, True]
-    assert progress_in(path).strays == 2
+    assert progress_in(path).missed_arrivals == 2
     camera = Camera(MODEL, first=progress_in(path).index)
     with Journal(path, resume=True) as journal:
         assert resume_sorting(composed(camera, [1]), perceive, planner(), journal) == faultless
@@ -133,11 +133,11 @@ def test_the_move_is_repeated_once_under_a_new_id_then_the_run_is_held(
 def test_a_run_killed_before_the_move_is_repeated_goes_on(
     tmp_path: Path, faultless: SortingReport, kind: str
 ) -> None:
-    strays: list[int] = []
+    elsewhere: list[int] = []
 
     def listener(entry: Entry) -> None:
-        strays.extend([entry.number] * (entry.kind == "wrong_viewpoint"))
-        if strays and entry.kind == kind:
+        elsewhere.extend([entry.number] * (entry.kind == "wrong_viewpoint"))
+        if elsewhere and entry.kind == kind:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

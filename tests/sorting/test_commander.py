@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import beltsort
-from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
+from beltsort.cell import AdvanceTo, CommandError, EmergencyStopError, Health, Outcome, SortInto
 from beltsort.sorting.holds import Answer, HeldError, Hold, Operator, nobody
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
@@ -17,14 +17,14 @@ from tests.sorting.scripted_cell import LookOnce, ScriptedCell, scripted
 
 PAPER = beltsort.SortingModel.load("tests/fixtures/paper.json").replace(r_min=5)
 IMPATIENT = Rules(retry_delays=(0.0, 0.0))
-Mishap = Callable[["FailingCell", str], None]
+Fault = Callable[["FailingCell", str], None]
 
 
 @dataclass
 class FailingCell(ScriptedCell):
-    """Each command first suffers the next mishap that is meant for it, then acts once per id."""
+    """Each command first suffers the next fault that is meant for it, then acts once per id."""
 
-    mishaps: dict[str, list[Mishap]] = field(default_factory=dict)
+    faults: dict[str, list[Fault]] = field(default_factory=dict)
     boot: int = 1
     forgotten: set[str] = field(default_factory=set)
 
@@ -36,8 +36,8 @@ class FailingCell(ScriptedCell):
         return Outcome.DONE if known else Outcome.NOT_DONE
 
     def _act(self, name: str, target: int, command_id: str) -> None:
-        if mishaps := self.mishaps.get(name):
-            mishaps.pop(0)(self, command_id)
+        if faults := self.faults.get(name):
+            faults.pop(0)(self, command_id)
         if self.outcome_of(command_id) is Outcome.NOT_DONE:
             super()._act(name, target, command_id)
 
@@ -86,10 +86,10 @@ def sort_two(
     return report, read_journal(path)
 
 
-@pytest.mark.parametrize("mishap", [refuse, lose_the_answer, lose_the_command])
+@pytest.mark.parametrize("fault", [refuse, lose_the_answer, lose_the_command])
 @pytest.mark.parametrize("name", ["move", "sort", "advance"])
-def test_a_command_that_fails_is_done_once_all_the_same(tmp_path: Path, name: str, mishap: Mishap) -> None:
-    cell = FailingCell(PAPER, mishaps={name: [mishap, mishap]})
+def test_a_command_that_fails_is_done_once_all_the_same(tmp_path: Path, name: str, fault: Fault) -> None:
+    cell = FailingCell(PAPER, faults={name: [fault, fault]})
     report, entries = sort_two(tmp_path, cell)
     assert [d.label for d in report.decisions] == [1, 1]
     assert [target for what, target in cell.acts if what == "sort"] == [1, 1]
@@ -110,17 +110,17 @@ class SilentCell(FailingCell):
 
 def test_reasons_are_told_once_however_often_a_device_was_asked(tmp_path: Path) -> None:
     with pytest.raises(HeldError) as held:
-        sort_two(tmp_path, SilentCell(PAPER, mishaps={"sort": [lose_the_command] * 9}))
+        sort_two(tmp_path, SilentCell(PAPER, faults={"sort": [lose_the_command] * 9}))
     reason = held.value.hold.reason
     assert (reason.count("no answer"), reason.count("no connection")) == (1, 1), reason
 
 
 def test_a_command_that_always_fails_holds_the_run(tmp_path: Path) -> None:
-    cell = FailingCell(PAPER, mishaps={"advance": [refuse] * 3})
+    cell = FailingCell(PAPER, faults={"advance": [refuse] * 3})
     with pytest.raises(HeldError, match=r"advance 1\b.*\b3 times\b.*\bbusy\b") as held:
         sort_two(tmp_path, cell)
     assert held.value.hold.command is not None
-    assert held.value.hold.command.name == "advance"
+    assert held.value.hold.command.act == AdvanceTo(1)
     assert (held.value.hold.answers, held.value.hold.person) == ((), False)
     states = [e.data["state"] for e in read_journal(tmp_path / "journal.sqlite") if e.kind == "state"]
     assert states == ["Execute", "Held", "Held"]
@@ -140,18 +140,18 @@ def test_a_sort_that_a_restarted_device_forgot_is_left_to_the_operator(
         asked.append(hold)
         return answer
 
-    cell = FailingCell(PAPER, mishaps={"sort": [restart_after_acting]})
+    cell = FailingCell(PAPER, faults={"sort": [restart_after_acting]})
     report, _ = sort_two(tmp_path, cell, operator)
     assert len(asked) == 1
     assert asked[0].command is not None
-    assert (asked[0].command.name, asked[0].answers) == ("sort", (Answer.DONE, Answer.NOT_DONE))
+    assert (asked[0].command.act, asked[0].answers) == (SortInto(1), (Answer.DONE, Answer.NOT_DONE))
     sorts = [target for what, target in cell.acts if what == "sort"]
     assert len(sorts) == (2 if answer is Answer.DONE else 3)
     assert [d.object for d in report.decisions] == [0, 1]
 
 
 def test_the_emergency_stop_aborts_at_once(tmp_path: Path) -> None:
-    cell = FailingCell(PAPER, mishaps={"sort": [press_the_emergency_stop]})
+    cell = FailingCell(PAPER, faults={"sort": [press_the_emergency_stop]})
     with pytest.raises(EmergencyStopError):
         sort_two(tmp_path, cell)
     entries = read_journal(tmp_path / "journal.sqlite")

@@ -12,6 +12,7 @@ from typing import Any, get_args
 
 import pytest
 
+from beltsort.cell import SortInto
 from beltsort.errors import JournalError
 from beltsort.sorting.command import Command
 from beltsort.sorting.entries import (
@@ -33,12 +34,13 @@ from tests.account import Account
 KILLED_BETWEEN_INTENT_AND_OUTCOME = """
 import os, signal, sys
 from pathlib import Path
+from beltsort.cell import SortInto
 from beltsort.sorting.command import Command
 from beltsort.sorting.entries import Intended, Started
 from beltsort.sorting.journal import Journal
 journal = Journal(Path(sys.argv[1]))
 journal.append(Started(run="a", objects=1, model=""))
-journal.append(Intended(Command("a-sort-1", "sort", 3, "boot")))
+journal.append(Intended(Command("a-sort-1", SortInto(3), "boot")))
 os.kill(os.getpid(), signal.SIGKILL)
 """
 
@@ -65,7 +67,7 @@ def test_entries_read_back_as_written(tmp_path: Path) -> None:
     with Journal(tmp_path / "j", heard.append) as journal:
         journal.append(START)
         journal.object = 0
-        journal.append(Intended(Command("a-sort-1", "sort", 3, "boot")))
+        journal.append(Intended(Command("a-sort-1", SortInto(3), "boot")))
         journal.append(CommandDone("a-sort-1", stopped=0.1))
     entries = read_journal(tmp_path / "j")
     assert entries == heard
@@ -82,7 +84,7 @@ def test_a_killed_process_loses_nothing_that_was_appended(tmp_path: Path) -> Non
     assert killed.returncode == -9
     assert [entry.content for entry in read_journal(path)] == [
         START,
-        Intended(Command("a-sort-1", "sort", 3, "boot")),
+        Intended(Command("a-sort-1", SortInto(3), "boot")),
     ]
 
 

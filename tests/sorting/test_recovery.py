@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import beltsort
-from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
+from beltsort.cell import AdvanceTo, CommandError, EmergencyStopError, Health, MoveTo, Outcome, SortInto
 from beltsort.cell.protocols import NOWHERE
 from beltsort.sorting.command import Command
 from beltsort.sorting.commander import STEPS, Step
@@ -94,8 +94,8 @@ def entries(folder: Path, kind: str) -> list[Entry]:
 
 def attempts(folder: Path, name: str) -> list[str]:
     """Return the ids of a kind of command, without the run's name."""
-    commands = [Command(**entry.data["command"]) for entry in entries(folder, "intent")]
-    return [command.id.split("-", 1)[1] for command in commands if command.name == name]
+    commands = [entry.data["command"] for entry in entries(folder, "intent")]
+    return [command["id"].split("-", 1)[1] for command in commands if command["name"] == name]
 
 
 def sorts(cell: Controller) -> list[int]:
@@ -142,8 +142,8 @@ def test_what_a_person_says_of_a_sort_that_was_broken_off_is_honoured(
     assert attempts(tmp_path, "sort")[:2] == (
         ["sort-3", "sort-7"] if answer is Answer.DONE else ["sort-3", "sort-3.2"]
     )
-    (told,) = entries(tmp_path, "told")
-    assert told.data["outcome"] == answer.value.replace("-", " ")
+    (answered,) = entries(tmp_path, "told")
+    assert answered.data["outcome"] == answer.value.replace("-", " ")
 
 
 def test_no_answer_is_no_answer(tmp_path: Path) -> None:
@@ -298,7 +298,7 @@ def test_an_interrupt_that_a_library_swallows_ends_the_run_all_the_same(tmp_path
 
 
 def test_ids_of_attempts() -> None:
-    command = Command("5e-sort-3", "sort", target=2, boot_id="a")
+    command = Command("5e-sort-3", SortInto(2), boot_id="a")
     assert [command.again("b").id, command.again("b").again("c").id] == ["5e-sort-3.2", "5e-sort-3.3"]
 
 
@@ -308,7 +308,7 @@ def test_the_documented_table_is_the_codes_own() -> None:
         (command, Outcome(outcome)): Step(step)
         for outcome, *steps in rows
         if outcome in {each.value for each in Outcome}
-        for command, step in zip(("move", "advance", "sort"), steps, strict=True)
+        for command, step in zip((MoveTo, AdvanceTo, SortInto), steps, strict=True)
     }
     assert said == STEPS
     assert {outcome for _, outcome in STEPS} == set(Outcome)

@@ -39,8 +39,8 @@ class Seeing(SimulatedCell):
     """Its scans are the true classes: nothing is rendered, nothing mistaken."""
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
-        places = [self.position() + place for place in range(2)]
-        points = [[float(TRUE[place]) if place < OBJECTS else 0.0, 0.0, 0.0] for place in places]
+        objects = [self.position() + position for position in range(2)]
+        points = [[float(TRUE[number]) if number < OBJECTS else 0.0, 0.0, 0.0] for number in objects]
         return Scan(np.array(points), np.eye(4), stamp=max(not_before, self.clock))
 
 

@@ -261,8 +261,8 @@ def test_a_journalled_belief_can_be_rebuilt(tmp_path: Path) -> None:
 def test_the_policy_knows_where_the_belt_ends(tmp_path: Path, belt_ends: bool) -> None:
     policy = Recorded(LookOnceEach())
     run(tmp_path, ScriptedCell(PAPER), itertools.repeat([1, 1]), policy, objects=3, belt_ends=belt_ends)
-    told = [belief.remaining for belief, _ in policy.asked]
-    assert told == ([3, 3, 2, 2, 1, 1] if belt_ends else [None] * 6)
+    remaining = [belief.remaining for belief, _ in policy.asked]
+    assert remaining == ([3, 3, 2, 2, 1, 1] if belt_ends else [None] * 6)
 
 
 def test_an_empty_cup_is_decided_and_passed_over(tmp_path: Path) -> None:

@@ -73,10 +73,10 @@ def test_an_alarm_is_journalled_after_its_scan_and_told(tmp_path: Path) -> None:
     assert [entry.data for entry in drifts(entries)] == [alarm.to_dict() for alarm in watch.alarms]
     assert entries[entries.index(drifts(entries)[0]) - 1].kind == "scan"
     assert entries[-1].data == {"reason": "done"}
-    told = [line for line in lines(entries) if re.search(r"\blabels\b.*\btables\b", line)]
-    assert len(told) == len(watch.alarms) > 0
-    assert any("position 1 from above" in line for line in told)
-    assert any("warning: labels" in line for line in told)
+    warnings = [line for line in lines(entries) if re.search(r"\blabels\b.*\btables\b", line)]
+    assert len(warnings) == len(watch.alarms) > 0
+    assert any("position 1 from above" in line for line in warnings)
+    assert any("warning: labels" in line for line in warnings)
 
 
 def test_labels_as_the_tables_say_raise_no_alarm(tmp_path: Path) -> None:
@@ -108,18 +108,18 @@ NEVER = OBJECTS + 2
 class Drifting(ScriptedCell):
     """Draws labels by (seed, object at the belt end, scan there); from object `change` on by other tables."""
 
-    def __init__(self, first: int = 0, glances: int = 0, change: int = CHANGE) -> None:
+    def __init__(self, first: int = 0, scans: int = 0, change: int = CHANGE) -> None:
         super().__init__(SMOOTH, first=first)
-        self.glances, self.change = glances, change
+        self.scans, self.change = scans, change
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        self.glances = 0 if index != self.first else self.glances
+        self.scans = 0 if index != self.first else self.scans
         return super().advance_to(index, command_id)
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
-        rng = np.random.default_rng((SEED, self.first, self.glances))
+        rng = np.random.default_rng((SEED, self.first, self.scans))
         true = np.random.default_rng(SEED).integers(4, size=OBJECTS + 2)
-        self.glances += 1
+        self.scans += 1
         labels = [
             rng.choice(4, p=np.roll(SMOOTH.p_obs[j, self.viewpoint, true[self.first + j]], shift))
             for j, shift in enumerate([int(self.first + j >= self.change) for j in range(2)])
@@ -142,7 +142,7 @@ def drifting_run(
 def resumed(path: Path, drift: Drift | None = WATCHED) -> SortingReport:
     progress = progress_in(path)
     with Journal(path, resume=True) as journal:
-        cell = Drifting(progress.index, progress.glances)
+        cell = Drifting(progress.index, progress.scans)
         return resume_sorting(cell, perceive, policy(), journal, drift=drift)
 
 
@@ -205,7 +205,7 @@ def test_an_alarm_whose_entry_is_missing_is_told_when_resumed(
     scans = sum(entry.kind == "scan" for entry in entries[: entries.index(alarming) + 1])
     path = tmp_path / "journal.sqlite"
     interrupted(path, "scan", scans)
-    assert progress_in(path).drift.untold
+    assert progress_in(path).drift.unreported
     assert drifts(read_journal(path)) == []
     assert resumed(path) == whole[0]
     assert [e.data for e in drifts(read_journal(path))] == [e.data for e in drifts(entries)]
