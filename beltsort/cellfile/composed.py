@@ -46,6 +46,8 @@ class ComposedCell:
     poses
         The camera's pose at each viewpoint in the belt's frame, shape (4, 4); None where only joint angles
         were taught, or the arm does not move at all.
+    bin_numbers
+        The sorter's own number of each label's bin.
     """
 
     arm: Arm
@@ -58,6 +60,7 @@ class ComposedCell:
     reject_bin: int | None
     rehearsed: tuple[str, ...] = ()
     poses: tuple[Pose | None, ...] = ()
+    bin_numbers: tuple[int, ...] = ()
 
 
 def compose(
@@ -117,6 +120,7 @@ def compose(
         reject_bin=None if description.reject_bin is None else len(description.classes),
         rehearsed=rehearsed,
         poses=tuple(None if stands else viewpoint.pose() for viewpoint in description.viewpoints),
+        bin_numbers=description.bin_numbers,
     )
 
 

@@ -3,12 +3,14 @@
 from typing import Any
 
 from beltsort import SortingModel
+from beltsort.cell.bins import Bin
 from beltsort.perception import Finding
 from beltsort.sorting.entries import (
     Chosen,
     CommandFailed,
     Decided,
     Drifted,
+    Intended,
     Planned,
     Resumed,
     ScanElsewhere,
@@ -61,6 +63,9 @@ class Narrator:
                 text = self._wrong_viewpoint(scan)
             case Decided() as decided:
                 text = self._decision(decided)
+            case Intended(command, str(name), int(number)):
+                again = f", attempt {command.attempt}" if command.attempt > 1 else ""
+                text = f"into {Bin(name, number)}{again}"
             case Skipped():
                 text = self._skip()
             case _:

@@ -1,9 +1,11 @@
-"""A scan in words: labels, and why there is none."""
+"""Entries in words."""
 
+from beltsort.cell import MoveTo, SortInto
 from beltsort.cli.narrate import Narrator
 from beltsort.models import paper
 from beltsort.perception import Finding
-from beltsort.sorting.entries import Scanned, Started
+from beltsort.sorting.command import Command
+from beltsort.sorting.entries import Intended, Scanned, Started
 from beltsort.sorting.journal import Entry
 
 
@@ -22,3 +24,13 @@ def test_a_scan_tells_labels_and_findings() -> None:
     assert f"{first} | {second}  ->" in told([0, 1], [Finding.OBJECT, Finding.OBJECT])
     assert "? | empty  ->" in told([None, None], [Finding.OBJECT, Finding.EMPTY])
     assert "hidden | several objects  ->" in told([None, None], [Finding.HIDDEN, Finding.SEVERAL])
+
+
+def test_a_sort_tells_the_bin_by_name_and_number() -> None:
+    narrator, sort = Narrator(), Command("a-sort-1", SortInto(1), "boot")
+    line = narrator.line(Entry(1, "", 7, Intended(sort, "livarno", 3)))
+    assert line == 'object  7  into bin "livarno" (3)'
+    again = narrator.line(Entry(2, "", 7, Intended(sort.again("boot"), "livarno", 3)))
+    assert again == f"{line}, attempt 2"
+    assert narrator.line(Entry(3, "", 7, Intended(sort))) is None, "an older version did not tell the bin"
+    assert narrator.line(Entry(4, "", 7, Intended(Command("a-move-2", MoveTo(1), "boot")))) is None

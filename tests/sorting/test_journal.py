@@ -12,7 +12,7 @@ from typing import Any, get_args
 
 import pytest
 
-from beltsort.cell import SortInto
+from beltsort.cell import MoveTo, SortInto
 from beltsort.errors import JournalError
 from beltsort.sorting.command import Command
 from beltsort.sorting.entries import (
@@ -45,7 +45,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 """
 
 FIXTURES = Path(__file__).parents[1] / "fixtures" / "journal"
-"""As version 0.1.0 wrote them before entries had types."""
+"""As version 0.1.0 wrote them before entries had types; only a sort whose intent names its bin is newer."""
 
 
 def lines_of(name: str) -> list[dict[str, Any]]:
@@ -208,6 +208,15 @@ def test_entries_of_earlier_versions_are_read(stored: dict[str, Any]) -> None:
     assert contains(plain(content), stored["data"])
 
 
+def test_a_command_is_kept_as_ever() -> None:
+    stored = [line["data"] for line in STORED if line["kind"] == "intent"]
+    move, sort, into = (content_of("intent", data) for data in stored)
+    assert move == Intended(Command("c77e10e4-move-1", MoveTo(0), "simulated", arriving=True))
+    assert sort == Intended(Command("16a43316-sort-4.2", SortInto(2), "simulated", attempt=2))
+    assert into == Intended(Command("5e0c9a41-sort-3", SortInto(1), "simulated"), "livarno", 3)
+    assert [plain(sort), plain(into)] == stored[1:]
+
+
 def contains(whole: Any, part: Any) -> bool:
     """Tell whether plain data has all that other plain data has; null counts as left out."""
     if isinstance(part, dict):
@@ -240,6 +249,8 @@ def test_there_is_an_entry_of_every_kind() -> None:
         ("end", {}, "reason"),
         ("end", {"reason": "done", "becuase": "x"}, "becuase"),
         ("passed", {"index": "many"}, "index"),
+        ("intent", {"command": {"id": "a-cut-1", "name": "cut", "target": 1, "boot_id": "b"}}, "cut"),
+        ("intent", {"command": {"id": "a-sort-1", "name": "sort", "target": "x", "boot_id": "b"}}, "target"),
     ],
 )
 def test_an_entry_that_nobody_knows_is_refused(
