@@ -5,22 +5,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from beltsort.cell.commands import Act, AdvanceTo, MoveTo, SortInto
 from beltsort.cell.protocols import Arm, Belt, DepthCamera, FollowsBelt, Sorter
 from beltsort.cell.wrappers.bins import Bins
 from beltsort.cell.wrappers.camera_poses import CameraPoses
 from beltsort.cell.wrappers.deadlines import Deadlines
 from beltsort.cell.wrappers.dry_run import DryRun, Say
 from beltsort.cell.wrappers.follow import Follow
+from beltsort.cell.wrappers.layer import Layer
 from beltsort.cell.wrappers.limits import Limits
 from beltsort.cell.wrappers.recorder import Recorded, Recorder
-from beltsort.cell.wrappers.wrapped import (
-    Around,
-    WrappedArm,
-    WrappedBelt,
-    WrappedCamera,
-    WrappedSorter,
-    chained,
-)
+from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError, raise_all
 from beltsort.cellfile.registry import ROLES, Backend, backend
@@ -107,11 +102,11 @@ def compose(
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
         dry_run = [DryRun(say)] if role in rehearsed else []
-        devices[role] = WRAPPED[role](devices[role], chained([*recorder, *dry_run, *inside]))
+        devices[role] = WRAPPED[role](devices[role], *recorder, *dry_run, *inside)
     outside = _outside(description, devices["arm"])
     for role in ROLES:
         follow = [Follow(camera)] if follows and role == "belt" else []
-        devices[role] = WRAPPED[role](devices[role], chained([*follow, *outside]))
+        devices[role] = WRAPPED[role](devices[role], *follow, *outside)
     return ComposedCell(
         **devices,
         classes=description.classes,
@@ -164,20 +159,19 @@ def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
     return made
 
 
-def _outside(description: CellDescription, arm: WrappedArm) -> list[Around]:
+def _outside(description: CellDescription, arm: WrappedArm) -> list[Layer]:
     names, poses = description.viewpoint_names, [viewpoint.pose() for viewpoint in description.viewpoints]
     labels = [*description.classes, "the reject bin"][: len(description.bin_numbers)]
     camera_poses = CameraPoses(names, poses, description.placement, arm.flange_pose)
     return [Limits(names, labels), camera_poses]
 
 
-def _inside(description: CellDescription) -> list[Around]:
+def _inside(description: CellDescription) -> list[Layer]:
     timeouts = description.timeouts
-    seconds = {
-        "move_to": timeouts.move, "scan": timeouts.scan, "sort": timeouts.sort,
-        "advance_to": timeouts.advance, "flange_pose": timeouts.scan,
+    seconds: dict[type[Act], float] = {
+        MoveTo: timeouts.move, AdvanceTo: timeouts.advance, SortInto: timeouts.sort
     }  # fmt: skip
-    faults: list[Around] = []
+    faults: list[Layer] = []
     if description.faults is not None:
         faults = [Faults(description.faults.plan(), len(description.viewpoints))]
-    return [*faults, Deadlines(seconds), Bins(description.bin_numbers)]
+    return [*faults, Deadlines(seconds, timeouts.scan), Bins(description.bin_numbers)]

@@ -1,11 +1,12 @@
 """Devices that are not there: a cell file can be tried without any hardware.
 
-Arm, belt and sorter note what they are told; the camera shows a level belt with nothing on it.
+Arm, belt and sorter note their commands; the camera shows a level belt with nothing on it.
 """
 
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -68,7 +69,8 @@ def _camera(_options: NoOptions, cell: CellDescription) -> EmptyBeltCamera:
     return EmptyBeltCamera(OVERHEAD if pose is None else pose, cell.placement)
 
 
-def _mover(kind: Callable[[Absent, DryRun], object]) -> Backend:
+def _mover(kind: Callable[[Any, DryRun], object]) -> Backend:
+    """Return the back-end of a device that has no commands of its own: `DryRun` passes none on."""
     return backend_of(
         NoOptions, lambda _options, _cell: kind(Absent(), DryRun(log.info)), harmless=True, absent=True
     )

@@ -2,8 +2,9 @@
 
 from enum import StrEnum
 
-from beltsort.cell.wrappers.wrapped import ACTS
+from beltsort.cell.wrappers.layer import METHODS
 
+ACTS = tuple(METHODS.values())
 COMMANDS = (*ACTS, "scan")
 
 

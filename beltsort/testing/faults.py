@@ -1,15 +1,16 @@
 """Faults on purpose: a device that fails as real ones do, as a function of a seed."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
 
 import numpy as np
 
-from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
+from beltsort.cell.commands import CommandError, EmergencyStopError, MoveTo, Outcome
 from beltsort.cell.protocols import Health, Scan
-from beltsort.cell.wrappers.wrapped import Act, Call
+from beltsort.cell.wrappers.layer import METHODS, Layer, Request, ScanRequest, Send, Take
+from beltsort.geometry import Pose
 from beltsort.testing.fault_kinds import COMMANDS, Fault
 from beltsort.util.randomness import generator
 
@@ -52,7 +53,7 @@ class FaultPlan:
         return generator(self.seed, COMMANDS.index(command), number)
 
 
-class Faults:
+class Faults(Layer):
     """Makes devices fail; one for all devices of a cell, as if one controller drove them.
 
     Parameters
@@ -69,81 +70,41 @@ class Faults:
         self._boots = 0
         self._known: set[str] = set()
         self._pressed = False
-        self._late: tuple[Call, Act] | None = None
+        self._late: tuple[str | None, Callable[[], object]] | None = None
         self._last_scan: Scan | None = None
 
-    def __call__(self, call: Call, act: Act) -> Any:
-        """Pass the call on, or let it fail."""
-        if call.name == "outcome_of":
-            return self._outcome(call, act)
+    def command(self, send: Send, request: Request) -> float:
+        """Pass a command on, or let it fail; to another viewpoint, if a move is to end elsewhere."""
+        # Under an id of this boot: a device that forgot a command would act again.
+        named = replace(request, command_id=self._id(request.command_id))
+        name = METHODS[type(request.act)]
+        fault = self._befall(name, request.command_id, request.timeout, partial(send, named))
+        if fault is Fault.WRONG_ARRIVAL:
+            named = replace(named, act=MoveTo((request.act.target + 1) % self._viewpoints))
+        return send(named)
+
+    def scan(self, take: Take, request: ScanRequest) -> Scan:
+        """Have a scan taken, or let that fail; or spoil it."""
+        fault = self._befall("scan", None, request.timeout, partial(take, request))
+        scan = take(request)
+        if fault is not None:
+            return self._spoilt(fault, scan, request.not_before)
+        self._last_scan = scan
+        return scan
+
+    def outcome_of(self, ask: Callable[[str], Outcome], command_id: str) -> Outcome:
+        """Tell what became of a command, as a controller that forgets all when it restarts."""
+        known_as = self._id(command_id)
+        late = self._late is not None and self._late[0] == known_as
         self._catch_up()
-        if call.name == "health":
-            return self._health(act(call))
-        if call.name not in COMMANDS:
-            return act(call)
-        return self._command(call, act)
-
-    def _command(self, call: Call, act: Act) -> Any:
-        if self._pressed:
-            raise EmergencyStopError(f"the emergency stop is pressed {ON_PURPOSE}", Outcome.NOT_DONE)
-        self._calls[call.name] += 1
-        number = self._calls[call.name]
-        named = self._named(call)
-        match self._plan.fault(call.name, number):
-            case None:
-                return self._remembered(act(named))
-            case Fault.NOT_DONE:
-                raise _failure(call, "was refused", Outcome.NOT_DONE)
-            case Fault.FULL_BIN:
-                raise _failure(call, "found the bin full", Outcome.NOT_DONE)
-            case Fault.LOST_ACKNOWLEDGEMENT:
-                act(named)
-                raise _failure(call, "was not acknowledged", Outcome.UNKNOWN)
-            case Fault.LATE:
-                self._late = (named, act)
-                raise _failure(call, f"did not end within {call.timeout:g} s", Outcome.UNKNOWN)
-            case Fault.WRONG_ARRIVAL:
-                return act(replace(named, target=(int(call.target or 0) + 1) % self._viewpoints))
-            case Fault.EMERGENCY_STOP:
-                self._pressed = True
-                raise EmergencyStopError(f"the emergency stop was pressed {ON_PURPOSE}", Outcome.NOT_DONE)
-            case Fault.RESTART:
-                if self._plan.generator(call.name, number).random(2)[1] < 0.5:
-                    act(named)
-                self._boots += 1
-                self._known.clear()
-                raise _failure(call, "was cut off by a restart of the controller", Outcome.UNKNOWN)
-            case kind:
-                return self._spoilt(kind, act(call), call.target or 0.0)
-
-    def _named(self, call: Call) -> Call:
-        """Return the call under an id of this boot: a device that forgot a command would act again."""
-        if call.command_id is None:
-            return call
-        self._known.add(call.command_id)
-        return replace(call, command_id=self._id(call.command_id))
-
-    def _id(self, command_id: str) -> str:
-        return f"{command_id}@{self._boots}" if self._boots else command_id
-
-    def _outcome(self, call: Call, act: Act) -> Outcome:
-        late = self._late is not None and self._late[0].command_id == self._id(call.command_id or "")
-        self._catch_up()
-        if late or (self._boots and call.command_id not in self._known):
+        if late or (self._boots and command_id not in self._known):
             return Outcome.UNKNOWN
-        outcome: Outcome = act(replace(call, command_id=self._id(call.command_id or "")))
-        return outcome
+        return ask(known_as)
 
-    def _catch_up(self) -> None:
-        """Let a late act happen: nobody waits for it any more."""
-        if self._late is not None:
-            (call, act), self._late = self._late, None
-            try:
-                act(call)
-            except CommandError:
-                return
-
-    def _health(self, health: Health) -> Health:
+    def health(self, ask: Callable[[], Health]) -> Health:
+        """Tell of restarts, and of the emergency stop once: then it is released."""
+        self._catch_up()
+        health = ask()
         if self._boots:
             health = replace(health, boot_id=f"{health.boot_id}, restart {self._boots}")
         if self._pressed:
@@ -151,14 +112,71 @@ class Faults:
             return replace(health, ready=False, fault=f"emergency stop {ON_PURPOSE}", emergency_stop=True)
         return health
 
-    def _remembered(self, result: Any) -> Any:
-        if isinstance(result, Scan):
-            self._last_scan = result
-        return result
+    def stop(self, stop: Callable[[], None]) -> None:
+        """Stop, after what is late."""
+        self._catch_up()
+        stop()
 
-    def _spoilt(self, kind: Fault, scan: Scan, not_before: float) -> Scan:
+    def flange_pose(self, ask: Callable[[float], Pose | None], timeout: float) -> Pose | None:
+        """Ask, after what is late."""
+        self._catch_up()
+        return ask(timeout)
+
+    def position(self, ask: Callable[[], int | None]) -> int | None:
+        """Ask, after what is late."""
+        self._catch_up()
+        return ask()
+
+    def _befall(
+        self, name: str, command_id: str | None, timeout: float, act: Callable[[], object]
+    ) -> Fault | None:
+        """Let a call fail, if it is to; return a fault that only spoils what it does."""
+        self._catch_up()
+        if self._pressed:
+            raise EmergencyStopError(f"the emergency stop is pressed {ON_PURPOSE}", Outcome.NOT_DONE)
+        self._calls[name] += 1
+        number, what = self._calls[name], f"{name} {command_id or ''}"
+        if command_id is not None:
+            self._known.add(command_id)
+        fault = self._plan.fault(name, number)
+        match fault:
+            case Fault.NOT_DONE:
+                raise CommandError(f"{what} was refused {ON_PURPOSE}", Outcome.NOT_DONE)
+            case Fault.FULL_BIN:
+                raise CommandError(f"{what} found the bin full {ON_PURPOSE}", Outcome.NOT_DONE)
+            case Fault.LOST_ACKNOWLEDGEMENT:
+                act()
+                raise CommandError(f"{what} was not acknowledged {ON_PURPOSE}", Outcome.UNKNOWN)
+            case Fault.LATE:
+                self._late = None if command_id is None else self._id(command_id), act
+                raise CommandError(f"{what} did not end within {timeout:g} s {ON_PURPOSE}", Outcome.UNKNOWN)
+            case Fault.EMERGENCY_STOP:
+                self._pressed = True
+                raise EmergencyStopError(f"the emergency stop was pressed {ON_PURPOSE}", Outcome.NOT_DONE)
+            case Fault.RESTART:
+                if self._plan.generator(name, number).random(2)[1] < 0.5:
+                    act()
+                self._boots += 1
+                self._known.clear()
+                reason = f"{what} was cut off by a restart of the controller {ON_PURPOSE}"
+                raise CommandError(reason, Outcome.UNKNOWN)
+        return fault
+
+    def _id(self, command_id: str) -> str:
+        return f"{command_id}@{self._boots}" if self._boots else command_id
+
+    def _catch_up(self) -> None:
+        """Let a late act happen: nobody waits for it any more."""
+        if self._late is not None:
+            (_, act), self._late = self._late, None
+            try:
+                act()
+            except CommandError:
+                return
+
+    def _spoilt(self, fault: Fault, scan: Scan, not_before: float) -> Scan:
         points = scan.points
-        match kind:
+        match fault:
             case Fault.STALE_SCAN:
                 return replace(self._last_scan or scan, stamp=not_before - 1.0)
             case Fault.EMPTY_SCAN:
@@ -168,7 +186,3 @@ class Faults:
             case Fault.TRUNCATED_SCAN:
                 points = points[: len(points) // 3]
         return replace(scan, points=points)
-
-
-def _failure(call: Call, what: str, outcome: Outcome) -> CommandError:
-    return CommandError(f"{call.name} {call.command_id or ''} {what} {ON_PURPOSE}", outcome)

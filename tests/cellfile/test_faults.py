@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beltsort.cell import CommandError, EmergencyStopError, Health, Outcome
+from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.wrappers.wrapped import WrappedSorter
 from beltsort.cellfile.composed import ComposedCell
 from beltsort.testing.fault_kinds import COMMANDS, Fault
@@ -149,12 +150,15 @@ class Press:
     def __init__(self) -> None:
         self.acts: list[str] = []
 
-    def sort(self, label: int, command_id: str, *, timeout: float) -> None:
+    def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         if command_id not in self.acts:
             self.acts.append(command_id)
 
     def health(self) -> Health:
         return Health(ready=True, boot_id="press")
+
+    def stop(self) -> None:
+        pass
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         return Outcome.DONE if command_id in self.acts else Outcome.NOT_DONE

@@ -131,19 +131,15 @@ def cell_at(site: Site) -> Cell:
     device, camera = site.device(), ClassCamera(MODEL)
     camera.where = partial(site.where, device)
     return ComposedCell(
-        WrappedArm(camera, through),
-        WrappedCamera(camera, through),
-        WrappedBelt(device, through),
-        WrappedSorter(device, through),
+        WrappedArm(camera),
+        WrappedCamera(camera),
+        WrappedBelt(device),
+        WrappedSorter(device),
         classes=tuple(MODEL.classes),
         viewpoints=tuple(MODEL.viewpoints),
         layout=BeltLayout(positions=MODEL.positions),
         reject_bin=None,
     )
-
-
-def through(call: Any, act: Any) -> Any:
-    return act(call)
 
 
 def answering(settle: Answer | None) -> Operator:

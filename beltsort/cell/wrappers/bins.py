@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
-from beltsort.cell.wrappers.wrapped import Act, Call
+from beltsort.cell.commands import SortInto
+from beltsort.cell.wrappers.layer import Layer, Request, Send
 
 
-class Bins:
+class Bins(Layer):
     """Tells the sorter a bin's number in place of a label.
 
     Parameters
@@ -19,8 +19,8 @@ class Bins:
     def __init__(self, numbers: Sequence[int]) -> None:
         self._numbers = numbers
 
-    def __call__(self, call: Call, act: Act) -> Any:
-        """Pass the call on."""
-        return act(
-            replace(call, target=self._numbers[int(call.target or 0)]) if call.name == "sort" else call
-        )
+    def command(self, send: Send, request: Request) -> float:
+        """Pass a command on; a sort, with the bin's number."""
+        if isinstance(request.act, SortInto):
+            request = replace(request, act=SortInto(self._numbers[request.act.bin]))
+        return send(request)

@@ -2,18 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
+from beltsort.cell.commands import MoveTo
 from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Scan
-from beltsort.cell.wrappers.wrapped import Act, Call
+from beltsort.cell.wrappers.layer import Layer, Request, ScanRequest, Send, Take
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
 
-class CameraPoses:
+class CameraPoses(Layer):
     """Tells where the camera stood, in the belt's frame. One for arm and camera.
 
     1. A camera that knows its pose tells it, in the robot's world. One that does not returns NaN.
@@ -45,28 +45,25 @@ class CameraPoses:
         self._placement, self._flange_pose = placement, flange_pose
         self._reached: int | None = None
 
-    def __call__(self, call: Call, act: Act) -> Any:
-        """Pass the call on."""
-        if call.name == "move_to":
-            self._reached = None
-        result = act(call)
-        if call.name == "move_to":
-            self._reached = int(call.target or 0)
-        return self._placed(result) if isinstance(result, Scan) else result
+    def command(self, send: Send, request: Request) -> float:
+        """Pass a command on; a move, and note where it ended."""
+        if not isinstance(request.act, MoveTo):
+            return send(request)
+        self._reached = None
+        stopped = send(request)
+        self._reached = request.act.viewpoint
+        return stopped
 
-    def _placed(self, scan: Scan) -> Scan:
+    def scan(self, take: Take, request: ScanRequest) -> Scan:
+        """Return a scan with the camera's pose in the belt's frame."""
+        scan, placement = take(request), self._placement
         if np.isfinite(scan.world_from_camera).all():
-            return replace(scan, world_from_camera=self._placement.in_belt(scan.world_from_camera))
-        told = self._told_by_the_arm()
-        if told is not None:
-            return replace(scan, world_from_camera=told)
+            return replace(scan, world_from_camera=placement.in_belt(scan.world_from_camera))
+        flange = None if placement.flange_from_camera is None else self._flange_pose()
+        pose = None if flange is None else placement.of_camera(flange)
+        if pose is not None:
+            return replace(scan, world_from_camera=pose)
         return replace(scan, world_from_camera=self._of_viewpoint(), assumed=True)
-
-    def _told_by_the_arm(self) -> Pose | None:
-        if self._placement.flange_from_camera is None:
-            return None
-        flange = self._flange_pose()
-        return None if flange is None else self._placement.of_camera(flange)
 
     def _of_viewpoint(self) -> Pose:
         if self._reached is None:

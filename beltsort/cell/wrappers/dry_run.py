@@ -1,15 +1,14 @@
-"""Commands are told and not carried out."""
+"""Commands are said and not carried out."""
 
 from collections.abc import Callable
-from typing import Any
 
-from beltsort.cell.commands import CommandError, Outcome
-from beltsort.cell.wrappers.wrapped import ACTS, STOPS, Act, Call
+from beltsort.cell.commands import Act, CommandError, Outcome
+from beltsort.cell.wrappers.layer import METHODS, Layer, Request, Send
 
 Say = Callable[[str], None]
 
 
-class DryRun:
+class DryRun(Layer):
     """Moves nothing: says what would be done, and reports it done.
 
     Health and scans are the device's own. As nothing moves, any scan is young enough: the time of every stop
@@ -23,26 +22,28 @@ class DryRun:
 
     def __init__(self, say: Say) -> None:
         self._say = say
-        self._done: dict[str, tuple[str, float | None]] = {}
+        self._done: dict[str, Act] = {}
 
-    def __call__(self, call: Call, act: Act) -> Any:
-        """Pass the call on unless it would move something."""
-        if call.name in ("stop", "position"):
-            return None
-        if call.name == "outcome_of":
-            return Outcome.DONE if call.command_id in self._done else Outcome.NOT_DONE
-        if call.name not in ACTS or call.command_id is None:
-            return act(call)
-        self._note(call.command_id, (call.name, call.target))
-        return 0.0 if call.name in STOPS else None
-
-    def _note(self, command_id: str, command: tuple[str, float | None]) -> None:
-        """Say the command, once."""
+    def command(self, _send: Send, request: Request) -> float:
+        """Say a command, once."""
+        act, command_id = request.act, request.command_id
         if command_id not in self._done:
-            self._done[command_id] = command
-            self._say(f"dry run: {command[0]}({command[1]}), {command_id}")
-        if self._done[command_id] != command:
+            self._done[command_id] = act
+            self._say(f"dry run: {METHODS[type(act)]}({act.target}), {command_id}")
+        if self._done[command_id] != act:
             raise CommandError(
                 f"command id {command_id!r} was used for another command; give every command its own id",
                 Outcome.NOT_DONE,
             )
+        return 0.0
+
+    def outcome_of(self, _ask: Callable[[str], Outcome], command_id: str) -> Outcome:
+        """Tell that what was said was done."""
+        return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
+
+    def stop(self, _stop: Callable[[], None]) -> None:
+        """Do nothing: nothing moves."""
+
+    def position(self, _ask: Callable[[], int | None]) -> int | None:
+        """Tell no position: the belt stands wherever it does."""
+        return None

@@ -1,12 +1,11 @@
 """A simulated camera sees what a belt that is not simulated has brought."""
 
-from typing import Any
-
+from beltsort.cell.commands import AdvanceTo
 from beltsort.cell.protocols import FollowsBelt
-from beltsort.cell.wrappers.wrapped import Act, Call
+from beltsort.cell.wrappers.layer import Layer, Request, Send
 
 
-class Follow:
+class Follow(Layer):
     """Tells a simulated world where the belt has come to.
 
     Parameters
@@ -18,9 +17,9 @@ class Follow:
     def __init__(self, world: FollowsBelt) -> None:
         self._world = world
 
-    def __call__(self, call: Call, act: Act) -> Any:
-        """Pass the call on."""
-        result = act(call)
-        if call.name == "advance_to":
-            self._world.follow(int(call.target or 0), float(result))
-        return result
+    def command(self, send: Send, request: Request) -> float:
+        """Pass a command on; after an advance, the world follows."""
+        stopped = send(request)
+        if isinstance(request.act, AdvanceTo):
+            self._world.follow(request.act.object, stopped)
+        return stopped

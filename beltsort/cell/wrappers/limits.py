@@ -1,13 +1,12 @@
 """Commands that make no sense never reach a device."""
 
 from collections.abc import Sequence
-from typing import Any
 
-from beltsort.cell.commands import CommandError, Outcome
-from beltsort.cell.wrappers.wrapped import Act, Call
+from beltsort.cell.commands import AdvanceTo, CommandError, MoveTo, Outcome, SortInto
+from beltsort.cell.wrappers.layer import Layer, Request, Send
 
 
-class Limits:
+class Limits(Layer):
     """Refuses unknown viewpoints, labels without a bin, and belts that run backwards.
 
     Parameters
@@ -22,16 +21,16 @@ class Limits:
         self._viewpoints, self._bins = viewpoints, bins
         self._index = 0
 
-    def __call__(self, call: Call, act: Act) -> Any:
-        """Pass the call on if it makes sense."""
-        match call.name, call.target:
-            case "move_to", int(viewpoint):
+    def command(self, send: Send, request: Request) -> float:
+        """Pass a command on if it makes sense."""
+        match request.act:
+            case MoveTo(viewpoint):
                 _check_index("viewpoint", viewpoint, self._viewpoints)
-            case "sort", int(label):
+            case SortInto(label):
                 _check_index("label", label, self._bins)
-            case "advance_to", int(index):
+            case AdvanceTo(index):
                 self._check_forward(index)
-        return act(call)
+        return send(request)
 
     def _check_forward(self, index: int) -> None:
         if index < self._index:

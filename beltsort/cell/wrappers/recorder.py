@@ -3,9 +3,37 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
-from beltsort.cell.wrappers.wrapped import Act, Call
+from beltsort.cell.commands import Outcome
+from beltsort.cell.protocols import Health, Scan
+from beltsort.cell.wrappers.layer import METHODS, Layer, Request, ScanRequest, Send, Take
+from beltsort.geometry import Pose
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class Call:
+    """A call of a device.
+
+    Attributes
+    ----------
+    name
+        The method's: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop`, `outcome_of`,
+        `flange_pose` or `position`.
+    target
+        Viewpoint, index, label, or the scan's `not_before`; None if the method has none.
+    command_id
+        The command's id, if the method has one.
+    timeout
+        Seconds, if the method has one.
+    """
+
+    name: str
+    target: float | None = None
+    command_id: str | None = None
+    timeout: float | None = None
 
 
 @dataclass(frozen=True)
@@ -33,7 +61,7 @@ class Recorded:
     error: str | None
 
 
-class Recorder:
+class Recorder(Layer):
     """Tells of every call when it has ended.
 
     Parameters
@@ -47,12 +75,41 @@ class Recorder:
     def __init__(self, device: str, tell: Callable[[Recorded], None]) -> None:
         self._device, self._tell = device, tell
 
-    def __call__(self, call: Call, act: Act) -> Any:
-        """Pass the call on."""
+    def command(self, send: Send, request: Request) -> float:
+        """Record a command."""
+        call = Call(METHODS[type(request.act)], request.act.target, request.command_id, request.timeout)
+        return self._recorded(call, lambda: send(request))
+
+    def scan(self, take: Take, request: ScanRequest) -> Scan:
+        """Record a scan."""
+        call = Call("scan", target=request.not_before, timeout=request.timeout)
+        return self._recorded(call, lambda: take(request))
+
+    def outcome_of(self, ask: Callable[[str], Outcome], command_id: str) -> Outcome:
+        """Record a question."""
+        return self._recorded(Call("outcome_of", command_id=command_id), lambda: ask(command_id))
+
+    def health(self, ask: Callable[[], Health]) -> Health:
+        """Record a question."""
+        return self._recorded(Call("health"), ask)
+
+    def stop(self, stop: Callable[[], None]) -> None:
+        """Record a stop."""
+        self._recorded(Call("stop"), stop)
+
+    def flange_pose(self, ask: Callable[[float], Pose | None], timeout: float) -> Pose | None:
+        """Record a question."""
+        return self._recorded(Call("flange_pose", timeout=timeout), lambda: ask(timeout))
+
+    def position(self, ask: Callable[[], int | None]) -> int | None:
+        """Record a question."""
+        return self._recorded(Call("position"), ask)
+
+    def _recorded(self, call: Call, act: Callable[[], Result]) -> Result:
         began, start = time.time(), time.perf_counter()
         error: str | None = None
         try:
-            return act(call)
+            return act()
         except BaseException as failure:
             error = repr(failure)
             raise

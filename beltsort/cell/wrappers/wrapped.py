@@ -1,150 +1,127 @@
-"""A device whose calls all go through one function."""
+"""Devices with layers around them."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
-from typing import Any, Protocol
+from typing import Generic, TypeVar
 
-from beltsort.cell.commands import TIMEOUT, Outcome
-from beltsort.cell.protocols import Health, Scan, TellsFlangePose, TellsPosition
+from beltsort.cell.commands import TIMEOUT, Act, AdvanceTo, MoveTo, Outcome, SortInto
+from beltsort.cell.protocols import (
+    Actuator,
+    Arm,
+    Belt,
+    DepthCamera,
+    Device,
+    Health,
+    Scan,
+    Sorter,
+    TellsFlangePose,
+    TellsPosition,
+)
+from beltsort.cell.wrappers.layer import Layer, Request, ScanRequest, Send, through
 from beltsort.geometry import Pose
 
-
-@dataclass(frozen=True)
-class Call:
-    """A call of a device.
-
-    Attributes
-    ----------
-    name
-        The method's: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop`, `outcome_of`,
-        `flange_pose` or `position`.
-    target
-        Viewpoint, index, label, or the scan's `not_before`; None if the method has none.
-    command_id
-        The command's id, if the method has one.
-    timeout
-        Seconds, if the method has one.
-    """
-
-    name: str
-    target: float | None = None
-    command_id: str | None = None
-    timeout: float | None = None
+AnyDevice = TypeVar("AnyDevice", bound=Device)
+AnyActuator = TypeVar("AnyActuator", bound=Actuator)
 
 
-Act = Callable[[Call], Any]
-
-
-class Around(Protocol):
-    """What is put around a device."""
-
-    def __call__(self, call: Call, act: Act) -> Any:
-        """Do with a call what it likes, and return what the call is to return."""
-
-
-def chained(arounds: Sequence[Around]) -> Around:
-    """Return several as one, the first outermost."""
-
-    def around(call: Call, act: Act) -> Any:
-        for inner in reversed(arounds):
-            act = partial(inner, act=act)
-        return act(call)
-
-    return around
-
-
-ACTS = ("move_to", "advance_to", "sort")
-"""Calls that move something."""
-STOPS = ("move_to", "advance_to")
-"""Those that return the time of a stop."""
-
-
-class _Wrapped:
+class _Wrapped(Generic[AnyDevice]):
     """What every device can do.
 
     Parameters
     ----------
     device
         What is wrapped.
-    around
-        Gets every call.
+    *layers
+        Get every call, the first before the others.
     """
 
-    def __init__(self, device: Any, around: Around) -> None:
-        self._device, self._around = device, around
+    def __init__(self, device: AnyDevice, *layers: Layer) -> None:
+        self._device, self._layers = device, layers
 
     def health(self) -> Health:
         """Say how it is."""
-        health: Health = self._around(Call("health"), lambda _call: self._device.health())
-        return health
+        return through(self._layers, lambda layer: layer.health, self._device.health)()
 
     def stop(self) -> None:
         """End every motion now."""
-        self._around(Call("stop"), lambda _call: self._device.stop())
+        through(self._layers, lambda layer: layer.stop, self._device.stop)()
+
+
+class _WrappedActuator(_Wrapped[AnyActuator]):
+    """What every actuator can do."""
 
     def outcome_of(self, command_id: str, boot_id: str = "", /) -> Outcome:
         """Tell what became of a command."""
-        asked = Call("outcome_of", command_id=command_id)
-        outcome: Outcome = self._around(asked, lambda call: self._device.outcome_of(call.command_id, boot_id))
-        return outcome
 
-    def _command(self, name: str, target: int, command_id: str, timeout: float) -> Any:
-        def act(call: Call) -> Any:
-            return getattr(self._device, call.name)(call.target, call.command_id, timeout=call.timeout)
+        def ask(known_as: str, /) -> Outcome:
+            return self._device.outcome_of(known_as, boot_id)
 
-        return self._around(Call(name, target, command_id, timeout), act)
+        return through(self._layers, lambda layer: layer.outcome_of, ask)(command_id)
+
+    def _command(self, device: Send, act: Act, command_id: str, timeout: float) -> float:
+        request = Request(act, command_id, timeout)
+        return through(self._layers, lambda layer: layer.command, device)(request)
 
 
-class WrappedArm(_Wrapped):
+class WrappedArm(_WrappedActuator[Arm]):
     """An arm."""
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Bring the camera to `viewpoint`."""
-        stopped: float = self._command("move_to", viewpoint, command_id, timeout)
-        return stopped
+
+        def move(request: Request) -> float:
+            return self._device.move_to(request.act.target, request.command_id, timeout=request.timeout)
+
+        return self._command(move, MoveTo(viewpoint), command_id, timeout)
 
     def flange_pose(self, *, timeout: float = TIMEOUT) -> Pose | None:
         """Return the flange's pose in the robot's world, or None if the arm does not tell it."""
-        if not isinstance(self._device, TellsFlangePose):
+        arm = self._device
+        if not isinstance(arm, TellsFlangePose):
             return None
-        asked = Call("flange_pose", timeout=timeout)
-        pose: Pose | None = self._around(asked, lambda call: self._device.flange_pose(timeout=call.timeout))
-        return pose
+
+        def ask(seconds: float, /) -> Pose | None:
+            return arm.flange_pose(timeout=seconds)
+
+        return through(self._layers, lambda layer: layer.flange_pose, ask)(timeout)
 
 
-class WrappedBelt(_Wrapped):
+class WrappedBelt(_WrappedActuator[Belt]):
     """A belt."""
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Bring object number `index` to the belt end."""
-        stopped: float = self._command("advance_to", index, command_id, timeout)
-        return stopped
+
+        def advance(request: Request) -> float:
+            return self._device.advance_to(request.act.target, request.command_id, timeout=request.timeout)
+
+        return self._command(advance, AdvanceTo(index), command_id, timeout)
 
     def position(self) -> int | None:
         """Return the number of the object at the belt end, `NOWHERE`, or None if the belt does not tell."""
         if not isinstance(self._device, TellsPosition):
             return None
-        device = self._device
-        position: int | None = self._around(Call("position"), lambda _call: device.position())
-        return position
+        return through(self._layers, lambda layer: layer.position, self._device.position)()
 
 
-class WrappedSorter(_Wrapped):
+class WrappedSorter(_WrappedActuator[Sorter]):
     """A sorter."""
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into a bin."""
-        self._command("sort", label, command_id, timeout)
+
+        def sort(request: Request) -> float:
+            self._device.sort(request.act.target, request.command_id, timeout=request.timeout)
+            return 0.0
+
+        self._command(sort, SortInto(label), command_id, timeout)
 
 
-class WrappedCamera(_Wrapped):
+class WrappedCamera(_Wrapped[DepthCamera]):
     """A camera."""
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         """Return a scan."""
-        scan: Scan = self._around(
-            Call("scan", target=not_before, timeout=timeout),
-            lambda call: self._device.scan(not_before=call.target, timeout=call.timeout),
-        )
-        return scan
+
+        def take(request: ScanRequest) -> Scan:
+            return self._device.scan(not_before=request.not_before, timeout=request.timeout)
+
+        return through(self._layers, lambda layer: layer.scan, take)(ScanRequest(not_before, timeout))
