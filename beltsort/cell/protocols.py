@@ -8,7 +8,7 @@ The rules that every device keeps, so that nothing is lost or done twice:
   tells what became of it, also after the connection or this program was restarted. A command that was broken
   off never acts again under its id: whoever repeats it gives it a new one.
 * Targets are absolute: "object n at the belt end", never "one step further".
-* A scan is younger than the stop of everything that moves. Both are told on the cell's clock: real devices
+* A scan is younger than the stop of everything that moves. Both are given on the cell's clock: real devices
   use `time.monotonic`, so that no setting of the time of day changes their order; simulated ones have their
   own.
 * Poses are in the robot's world; a cell that is composed of devices brings them into the belt's frame.

@@ -139,7 +139,7 @@ def step_of(entries: Sequence[Entry], number: int) -> Step:
     Raises
     ------
     JournalError
-        If the journal does not tell of it, naming the steps that it tells of.
+        If the journal has no such step; the error names those that it has.
     """
     found, first, last = None, None, None
     for step in steps_of(entries):

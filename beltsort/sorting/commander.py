@@ -27,7 +27,16 @@ from beltsort.sorting.entries import (
     State,
     StateChanged,
 )
-from beltsort.sorting.holds import FURTHER, Answer, HeldError, Hold, Operator, astray, at_the_end, in_doubt
+from beltsort.sorting.holds import (
+    FURTHER,
+    Answer,
+    HeldError,
+    Hold,
+    Operator,
+    at_the_end,
+    belt_elsewhere,
+    in_doubt,
+)
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.rules import Rules
@@ -247,7 +256,7 @@ class Commander:
             if position is None or position in expected or (position == NOWHERE and advancing):
                 return True
             needs_home = self._ask(belt.health).needs_home
-            answer = self._hold(astray(position, expected, pending, needs_home))
+            answer = self._hold(belt_elsewhere(position, expected, pending, needs_home))
             if answer is Answer.PASSED:
                 self._record(ObjectsPassed(position))
                 return False

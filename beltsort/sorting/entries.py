@@ -232,7 +232,7 @@ class Decided(Content):
 
 @dataclass(frozen=True)
 class Skipped(Content):
-    """The place at the belt end is empty."""
+    """The cup at the belt end is empty."""
 
     kind = "skip"
     viewpoints: list[int]
@@ -325,7 +325,7 @@ def plain(content: AnyContent) -> dict[str, Any]:
 
 
 def content_of(kind: str, data: Mapping[str, Any]) -> AnyContent:
-    """Return what `plain` told of.
+    """Return the entry whose fields `plain` returned.
 
     Raises
     ------

@@ -131,7 +131,7 @@ def at_the_end(expected: range) -> list[Way]:
     return [Way(f"if object {i} is at the belt end", home=i) for i in expected]
 
 
-def astray(position: int, expected: range, command: Command | None, needs_home: bool) -> Hold:
+def belt_elsewhere(position: int, expected: range, command: Command | None, needs_home: bool) -> Hold:
     """Return the hold for a belt that stands elsewhere than it should."""
     stands = "at no object" if position == NOWHERE else f"at object {position}"
     last = expected[-1]

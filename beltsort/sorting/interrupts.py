@@ -67,8 +67,8 @@ class Interrupts:
         """
         for number, before in self._before.items():
             signal.signal(number, before)
-        told = isinstance(error, CellError | JournalError)
-        if self._received is not None and isinstance(error, Exception) and not told:
+        explained = isinstance(error, CellError | JournalError)
+        if self._received is not None and isinstance(error, Exception) and not explained:
             raise Interrupted(self._received) from error
 
     def _handle(self, number: int, _frame: FrameType | None) -> None:

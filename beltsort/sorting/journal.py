@@ -1,7 +1,7 @@
 """The durable record of a run.
 
 An append-only list of entries in SQLite files. Every entry is on the disk before the call that wrote it
-returns (WAL, synchronous=FULL), so that what the cell did can be told after any crash: an *intent* without an
+returns (WAL, synchronous=FULL), so that what the cell did is known after any crash: an *intent* without an
 *outcome* is the one command whose fate is unknown.
 
 A long run is kept in several files, of which the oldest are dropped: `journal.sqlite` is being written, the

@@ -40,7 +40,7 @@ def locked(what: str, path: Path) -> Iterator[None]:
         lock.acquire()
     except Timeout:
         raise InUseError(
-            f"{what} is in use by {_told(holder)}, expected nobody: wait until that ends, or end it (kill)"
+            f"{what} is in use by {_name_of(holder)}, expected nobody: wait until that ends, or end it (kill)"
         ) from None
     except OSError as reason:
         raise InUseError(f"{what} cannot be locked: {reason}; make {path.parent} writable") from reason
@@ -74,10 +74,10 @@ def devices_locked(devices: Iterable[object]) -> Iterator[None]:
         yield
 
 
-def _told(holder: Path) -> str:
+def _name_of(holder: Path) -> str:
     """Say who holds a lock."""
     try:
-        told = json.loads(holder.read_text())
-        return f"process {told['pid']} ({told['command']})"
+        process = json.loads(holder.read_text())
+        return f"process {process['pid']} ({process['command']})"
     except (OSError, ValueError, KeyError):
         return "another process"

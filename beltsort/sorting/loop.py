@@ -137,7 +137,7 @@ def resume_sorting(
     Returns
     -------
     SortingReport
-        Of the whole run, as far as the journal still tells of it.
+        Of the whole run, as far as the journal still has it.
 
     Raises
     ------

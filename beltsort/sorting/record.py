@@ -8,7 +8,7 @@ from beltsort.sorting.progress import Progress
 
 
 class Record:
-    """A journal and the progress that it tells of.
+    """A journal, and the progress that follows from it.
 
     Parameters
     ----------

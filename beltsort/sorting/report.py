@@ -43,7 +43,7 @@ class SortingReport:
     decisions
         One per object sorted, in order.
     skipped
-        Numbers of the belt places found empty.
+        Numbers of the cups found empty.
     drift
         Alarms of the watch over the tables, if there was one.
     passed

@@ -47,7 +47,7 @@ class Drift:
         Probability, at most, that the watch ever raises an alarm while the model is right: see
         `beltsort.tables.DriftWatch`.
     hold
-        Whether an alarm holds the run; otherwise it is told, and the run goes on.
+        Whether an alarm holds the run; otherwise it is only journalled.
 
     Raises
     ------
@@ -74,7 +74,7 @@ class Seen:
     looks
         Scans in which it was visible.
     empty
-        Viewpoints of the last scans in a row that saw its place empty.
+        Viewpoints of the last scans in a row that saw it empty.
     impossible
         Labels in a row that the belief held impossible.
     """

@@ -83,7 +83,7 @@ class CallLog:
     Attributes
     ----------
     folder
-        Must exist when the first call is told.
+        Must exist when the first call is recorded.
     """
 
     def __init__(self, folder: Path) -> None:

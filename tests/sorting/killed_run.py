@@ -1,7 +1,7 @@
 """A run of ten objects that kills itself: `python -m tests.sorting.killed_run FOLDER POINT [resume]`.
 
 POINT is `entry:N` (when entry N has been written), `act:N` (when the world has carried out its N-th command,
-before anyone is told) or `never`.
+before anyone knows) or `never`.
 """
 
 import os

@@ -30,7 +30,7 @@ class Glimpsed:
 
 @dataclass
 class ScriptedCell:
-    """Records what it is told to do; `interrupt_at` raises KeyboardInterrupt in the n-th call."""
+    """Records its commands; `interrupt_at` raises KeyboardInterrupt in the n-th call."""
 
     model: beltsort.SortingModel
     reject_bin: int | None = None
@@ -105,7 +105,7 @@ class LookOnce:
 
 
 def scripted(scans: Iterable[Sequence[Glimpse] | str]) -> Callable[[Scan], list[Glimpsed]]:
-    """Return a perception that tells of one scan after the other what the script says."""
+    """Return a perception that finds in one scan after the other what the script says."""
     script = iter(scans)
 
     def perceive(_scan: Scan) -> list[Glimpsed]:

@@ -1,4 +1,4 @@
-"""The watch over the tables in the loop: a function of the journal, told, and holding the run if asked to."""
+"""The watch over the tables in the loop: a function of its journal; it holds the run if asked to."""
 
 import itertools
 import json
@@ -193,7 +193,7 @@ def test_a_resumed_run_has_the_same_watch(
     interrupted(path, kind, number)
     assert resumed(path) == whole[0]
     assert state(path) == state(whole[1])
-    assert len(drifts(read_journal(path))) == len(whole[0].drift), "each alarm told once"
+    assert len(drifts(read_journal(path))) == len(whole[0].drift), "each alarm reported once"
 
 
 @pytest.mark.slow
