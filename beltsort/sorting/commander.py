@@ -150,6 +150,7 @@ class Commander:
         delays = list(self._rules.retry_delays)
         tries = len(delays) + 1
         while failure is not None:
+            # A device that cannot be asked is asked again, after a while.
             step = None if failure.outcome is None else STEPS[type(command.act), failure.outcome]
             if step is Step.RECORD:
                 self._record(CommandDone(command.id))
