@@ -1,8 +1,6 @@
-"""One attempt at having an actuator act, and how the journal keeps it."""
+"""One attempt at having an actuator act."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, get_args
 
 from beltsort.cell.commands import Act
 
@@ -44,43 +42,3 @@ class Command:
         base = self.id.removesuffix(f".{self.attempt}") if self.attempt > 1 else self.id
         attempt = self.attempt + 1
         return replace(self, id=f"{base}.{attempt}", boot_id=boot_id, attempt=attempt)
-
-
-ACTS: dict[str, type[Act]] = {act.verb: act for act in get_args(Act)}
-"""By the names that journals give them."""
-
-
-def stored(command: Command) -> dict[str, Any]:
-    """Return a command as journals keep it.
-
-    Examples
-    --------
-    >>> from beltsort.cell.commands import SortInto
-    >>> stored(Command("5e-sort-3", SortInto(2), boot_id="a"))["name"]
-    'sort'
-    """
-    return {
-        "id": command.id,
-        "name": command.act.verb,
-        "target": command.act.target,
-        "boot_id": command.boot_id,
-        "arriving": command.arriving,
-        "attempt": command.attempt,
-    }
-
-
-def restored(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of a command that a journal has kept, of which only the act is checked.
-
-    Raises
-    ------
-    ValueError
-        If there is no such act.
-    """
-    name, target = data.get("name"), data.get("target")
-    if name not in ACTS:
-        raise ValueError(f"the command's name is {name!r}, expected one of {', '.join(ACTS)}")
-    if not isinstance(target, int):
-        raise ValueError(f"the target of {name} is {target!r}, expected a number")
-    others = {key: value for key, value in data.items() if key not in ("name", "target")}
-    return {**others, "act": ACTS[name](target)}

@@ -1,22 +1,18 @@
 """What the journal can tell: a closed set of frozen dataclasses.
 
 An entry is kept as its `kind` and a JSON object of its fields, whose names are part of the file's format; a
-command is kept as `beltsort.sorting.command.stored` says. A field whose default is None is left out while it
+command is kept as `beltsort.sorting.entry_format` says. A field whose default is None is left out while it
 is None; journals of older versions may lack any field that has a default. Times are seconds; labels,
 viewpoints and objects are numbers from 0; beliefs have shape (H, L).
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import StrEnum
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, get_args
+from typing import Any, ClassVar, Literal, TypeAlias
 
-from beltsort.sorting.command import Command, restored, stored
+from beltsort.sorting.command import Command
 from beltsort.sorting.rules import Seen
-
-if TYPE_CHECKING:
-    from pydantic import TypeAdapter
 
 
 class State(StrEnum):
@@ -306,53 +302,3 @@ AnyContent: TypeAlias = (
     | Snapshot
     | Ended
 )
-
-
-COMMANDS = {Intended.kind: "command", Snapshot.kind: "pending"}
-"""Fields that hold a command, by the entry's kind."""
-
-
-def plain(content: AnyContent) -> dict[str, Any]:
-    """Return the fields of an entry as plain data, fit for JSON."""
-    left_out = {field.name for field in fields(content) if field.default is None}
-    data = {
-        name: value for name, value in asdict(content).items() if value is not None or name not in left_out
-    }
-    match content:
-        case Intended(command=Command() as command) | Snapshot(pending=Command() as command):
-            data[COMMANDS[content.kind]] = stored(command)
-    return data
-
-
-def content_of(kind: str, data: Mapping[str, Any]) -> AnyContent:
-    """Return the entry whose fields `plain` returned.
-
-    Raises
-    ------
-    ValueError
-        If the kind is unknown, or a field is missing, unknown or of another type.
-    """
-    from pydantic import ValidationError  # to write a journal it is not needed
-
-    adapter = _adapters().get(kind)
-    if adapter is None:
-        raise ValueError(f"its kind is {kind!r}, expected one of {', '.join(_adapters())}")
-    commanding = COMMANDS.get(kind, "")
-    if isinstance(command := data.get(commanding), Mapping):
-        data = {**data, commanding: restored(command)}
-    try:
-        return adapter.validate_python(data)
-    except ValidationError as reason:
-        faults = (f"{'.'.join(map(str, fault['loc']))}: {fault['msg'].lower()}" for fault in reason.errors())
-        raise ValueError(", ".join(faults)) from reason
-
-
-@lru_cache(maxsize=1)
-def _adapters() -> dict[str, "TypeAdapter[AnyContent]"]:
-    """Return what reads each kind of entry."""
-    from pydantic import TypeAdapter
-
-    forms: dict[str, Any] = {}
-    for form in get_args(AnyContent):
-        forms[form.kind] = forms[form.kind] | form if form.kind in forms else form
-    return {kind: TypeAdapter(form) for kind, form in forms.items()}

@@ -20,7 +20,8 @@ from typing import Any, Self
 
 from beltsort._core import __version__
 from beltsort.errors import JournalError, JournalNotWrittenError
-from beltsort.sorting.entries import AnyContent, Snapshot, Unheard, content_of, plain
+from beltsort.sorting.entries import AnyContent, Snapshot, Unheard
+from beltsort.sorting.entry_format import content_of, plain
 
 VERSION = 2
 SCHEMA = """

@@ -24,9 +24,8 @@ from beltsort.sorting.entries import (
     ScanUnusable,
     Snapshot,
     Started,
-    content_of,
-    plain,
 )
+from beltsort.sorting.entry_format import content_of, plain
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.progress import Progress
 from tests.account import Account
@@ -251,11 +250,11 @@ def test_there_is_an_entry_of_every_kind() -> None:
         ("passed", {"index": "many"}, "index"),
         ("intent", {"command": {"id": "a-cut-1", "name": "cut", "target": 1, "boot_id": "b"}}, "cut"),
         ("intent", {"command": {"id": "a-sort-1", "name": "sort", "target": "x", "boot_id": "b"}}, "target"),
+        ("intent", {"command": {"name": ["sort"], "target": 1}}, "name"),
+        ("intent", [], "dictionary"),
     ],
 )
-def test_an_entry_that_nobody_knows_is_refused(
-    kind: str, data: dict[str, Any], named: str, tmp_path: Path
-) -> None:
+def test_an_entry_that_nobody_knows_is_refused(kind: str, data: Any, named: str, tmp_path: Path) -> None:
     path = tmp_path / "journal.sqlite"
     with Journal(path) as journal:
         journal.append(START)
