@@ -240,7 +240,7 @@ LINES: dict[str, tuple[list[str], str]] = {
     ),
     "file's ending": (
         ["viewpoints", "views.txt"],
-        "views.txt does not end in .json; the picture's name ends in .png",
+        "FILE is views.txt, expected a name that ends in .json; rename it (the figure's name ends in .png)",
     ),
 }
 

@@ -36,8 +36,8 @@ class ComposedCell:
         The devices.
     classes, viewpoints, layout, reject_bin
         As in `Cell`; the label of the reject bin is the one behind the classes'.
-    rehearsed
-        Names of the devices that only say what they would do.
+    dry_run
+        Names of the devices whose commands are only printed.
     poses
         The camera's pose at each viewpoint in the belt's frame, shape (4, 4); None where only joint angles
         were taught, or the arm does not move at all.
@@ -53,7 +53,7 @@ class ComposedCell:
     viewpoints: tuple[str, ...]
     layout: BeltLayout
     reject_bin: int | None
-    rehearsed: tuple[str, ...] = ()
+    dry_run: tuple[str, ...] = ()
     poses: tuple[Pose | None, ...] = ()
     bin_numbers: tuple[int, ...] = ()
 
@@ -94,14 +94,14 @@ def compose(
     kinds = _all_of(lambda role: backend(role, description.device(role).backend))
     maker = _Maker(description, made)
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
-    rehearsed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
-    stands = "arm" in rehearsed or kinds["arm"].absent
+    printed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
+    still = "arm" in printed or kinds["arm"].absent  # the camera does not move
     camera = devices["camera"]
     follows = isinstance(camera, FollowsBelt) and camera is not devices["belt"]
     inside = _inside(description)
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
-        dry_run = [DryRun(say)] if role in rehearsed else []
+        dry_run = [DryRun(say)] if role in printed else []
         devices[role] = WRAPPED[role](devices[role], *recorder, *dry_run, *inside)
     outside = _outside(description, devices["arm"])
     for role in ROLES:
@@ -113,8 +113,8 @@ def compose(
         viewpoints=description.viewpoint_names,
         layout=description.layout,
         reject_bin=None if description.reject_bin is None else len(description.classes),
-        rehearsed=rehearsed,
-        poses=tuple(None if stands else viewpoint.pose() for viewpoint in description.viewpoints),
+        dry_run=printed,
+        poses=tuple(None if still else viewpoint.pose() for viewpoint in description.viewpoints),
         bin_numbers=description.bin_numbers,
     )
 

@@ -170,12 +170,12 @@ def open_run(
 
     devices: list[object] = []
     cell = compose(description, live=live, say=say, record=calls, made=devices.append)
-    if resume is not None and bool(cell.rehearsed) != resume.name.endswith(DRY_RUN):
+    if resume is not None and bool(cell.dry_run) != resume.name.endswith(DRY_RUN):
         kind, remedy = ("a dry run", "without") if resume.name.endswith(DRY_RUN) else ("a live run", "with")
         raise CellError(f"{resume} is {kind}, expected to be resumed as it began: resume it {remedy} --live")
     if broken_off is not None:
         restore(devices, broken_off)
-    if cell.rehearsed and resume is None:
+    if cell.dry_run and resume is None:
         calls.folder = runs / f"{calls.folder.name}{DRY_RUN}"
     model, classifier = _knowledge(description, progress)
     return CellRun(
@@ -274,7 +274,7 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
         "skipped": list(report.skipped),
         "passed": list(report.passed),
         "drift": [alarm.to_dict() for alarm in report.drift],
-        "dry_run": list(run.cell.rehearsed),
+        "dry_run": list(run.cell.dry_run),
         "folder": str(run.folder),
     }
 

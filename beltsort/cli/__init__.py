@@ -1,7 +1,8 @@
 """The command line: one file per command.
 
-A command's file has `add_parser(subparsers)`, which sets `run`, a function of the arguments that returns the
-exit code, as a default of its parser. Results go to standard output, everything else to standard error.
+Each command's file defines `add_parser(subparsers)`, which sets the parser's default `run`: a function of the
+arguments that returns the exit code. Results are printed on standard output, everything else on standard
+error.
 """
 
 import shlex
@@ -69,7 +70,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     argv
-        Arguments without the program's name; those of the process if missing.
+        Arguments without the program's name; default those of the process.
 
     Returns
     -------
@@ -82,7 +83,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         code: int = arguments.run(arguments)
     except CellFileError as error:  # one line for each problem
-        print(f"beltsort: error: {arguments.cell} is wrong:\n{error}", file=sys.stderr)
+        print(f"beltsort: error: {arguments.cell} is not a valid cell file:\n{error}", file=sys.stderr)
         return exit_codes.WRONG
     except (BeltsortError, OSError, OverflowError) as error:
         print("beltsort: error:", " ".join(str(error).split()), file=sys.stderr)

@@ -1,8 +1,11 @@
 """Arguments that several commands share."""
 
 import json
-from argparse import ArgumentParser, Namespace, _SubParsersAction
+import os
+from argparse import ArgumentParser, ArgumentTypeError, Namespace, _SubParsersAction
 from inspect import signature
+from math import isfinite
+from pathlib import Path
 from typing import Any, TypeAlias
 
 from beltsort import ArgumentError, Solution, SortingModel
@@ -11,6 +14,9 @@ from beltsort.util.naming import index_of, nearest_of
 
 Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
 
+ORIGIN = (0.0, 0.0, 0.0)
+"""Default of `--viewpoint` for clouds: the origin of their frame, metres."""
+
 
 def add_json(parser: ArgumentParser) -> None:
     """Add `--json`, which every command has."""
@@ -18,7 +24,7 @@ def add_json(parser: ArgumentParser) -> None:
 
 
 def add_model(parser: ArgumentParser) -> None:
-    """Add the model file, and what is changed about it."""
+    """Add the model file and the options that modify the model."""
     parser.add_argument("model", metavar="MODEL", help="a model file (JSON)")
     parser.add_argument("--positions", type=int, metavar="H", help="keep the first H positions only")
     parser.add_argument(
@@ -26,17 +32,17 @@ def add_model(parser: ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="change a key of the model (--set r_min=500); repeat for further ones",
+        help="change a key of the model (--set r_min=500); may be repeated",
     )
 
 
 def load_model(arguments: Namespace) -> SortingModel:
-    """Read the model file and change what was asked for.
+    """Read the model file and apply `--positions` and `--set`.
 
     Raises
     ------
     ArgumentError
-        For a change that is not KEY=VALUE, or of a key that models do not have, naming the nearest one.
+        If a change is not KEY=VALUE, or the key does not exist; the message names the nearest key.
     """
     model = SortingModel.load(arguments.model)
     if arguments.positions is not None:
@@ -46,7 +52,7 @@ def load_model(arguments: Namespace) -> SortingModel:
 
 
 def parse_change(text: str) -> tuple[str, Any]:
-    """Read KEY=VALUE, the value as JSON, or as text if it is none."""
+    """Parse KEY=VALUE; a value that is not valid JSON is kept as text."""
     key, equals, value = text.partition("=")
     if not equals:
         raise ArgumentError(f"--set {text}: expected KEY=VALUE, r_min=500 for example")
@@ -60,38 +66,42 @@ def parse_change(text: str) -> tuple[str, Any]:
 
 
 def add_budget(parser: ArgumentParser) -> None:
-    """Add the two ways to say how long one plan may take."""
+    """Add the budget of a plan, in trials or seconds."""
     budget = parser.add_mutually_exclusive_group()
     budget.add_argument(
-        "--trials", type=int, metavar="N", help=f"trials per plan: reproducible (default: {DEFAULT_TRIALS})"
+        "--trials", type=int, metavar="N", help=f"trials per plan, reproducible (default: {DEFAULT_TRIALS})"
     )
     budget.add_argument("--seconds", type=float, metavar="S", help="seconds per plan")
 
 
 def budget_of(arguments: Namespace) -> dict[str, Any]:
-    """Return the budget that was given, as keywords of `Despot` and `Despot.plan`."""
+    """Return the budget as keyword arguments of `Despot` and `Despot.plan`."""
     if arguments.seconds is not None:
         return {"seconds": arguments.seconds}
     return {"trials": DEFAULT_TRIALS if arguments.trials is None else arguments.trials}
 
 
 def add_simulation(parser: ArgumentParser) -> None:
-    """Add what is simulated: batches, objects and threads."""
-    parser.add_argument("--batches", type=int, default=1000, metavar="N", help="default: 1000")
+    """Add the options of a simulation: batches, objects and threads."""
+    parser.add_argument(
+        "--batches", type=int, default=1000, metavar="N", help="batches to simulate (default: 1000)"
+    )
     parser.add_argument(
         "--batch-size", type=int, default=10, metavar="N", help="decisions per batch (default: 10)"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of objects and labels (default: 0)")
-    parser.add_argument("--threads", type=int, metavar="N", help="default: all cores")
+    parser.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="seed of objects and labels (default: 0)"
+    )
+    parser.add_argument("--threads", type=int, metavar="N", help="threads (default: all cores)")
     parser.add_argument(
         "--reference",
         metavar="FILE",
-        help="a solution (`beltsort solve -o`) to measure regret against",
+        help="a solution (`beltsort solve -o`) with which to compute regret",
     )
     parser.add_argument(
         "--belt-ends",
         action="store_true",
-        help="the belt ends with the batch, and planners know how many objects are left",
+        help="the belt ends with the batch, and the belief includes the number of objects left",
     )
     parser.add_argument(
         "--true-classes", metavar="A,B", help="draw objects uniformly from these classes (names or indices)"
@@ -99,7 +109,7 @@ def add_simulation(parser: ArgumentParser) -> None:
 
 
 def simulation_of(arguments: Namespace, model: SortingModel) -> dict[str, Any]:
-    """Return what is simulated, as keywords of `evaluate` and `compare`."""
+    """Return the options of a simulation as keyword arguments of `evaluate` and `compare`."""
     return {
         "batches": arguments.batches,
         "batch_size": arguments.batch_size,
@@ -112,7 +122,49 @@ def simulation_of(arguments: Namespace, model: SortingModel) -> dict[str, Any]:
 
 
 def parse_classes(text: str | None, model: SortingModel) -> list[int] | None:
-    """Read names separated by commas."""
+    """Parse class names or indices separated by commas."""
     if text is None:
         return None
     return [index_of(name, model.classes, "class") for name in text.split(",")]
+
+
+def add_cell(parser: ArgumentParser) -> None:
+    """Add the cell file and `--live`."""
+    parser.add_argument("cell", metavar="CELL.toml", help="a cell file: see docs/cell.md")
+    parser.add_argument(
+        "--live",
+        action="store_true",
+        help="send commands to the devices; without it, commands that would move hardware are only printed",
+    )
+
+
+def add_camera_position(parser: ArgumentParser) -> None:
+    """Add `--viewpoint`, the position of the camera that recorded point clouds."""
+    parser.add_argument(
+        "--viewpoint",
+        type=position,
+        metavar="X,Y,Z",
+        help="position of the camera in the frame of every cloud, metres (default: the frame's origin; the "
+        "VIEWPOINT of a PCD file is not used). If X is negative, write --viewpoint=X,Y,Z",
+    )
+
+
+def position(text: str) -> tuple[float, ...]:
+    """Parse three numbers separated by commas."""
+    try:
+        numbers = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) != 3 or not all(map(isfinite, numbers)):
+        raise ArgumentTypeError(f"{text!r}: expected three finite numbers X,Y,Z, such as 0,0,0.7")
+    return numbers
+
+
+def check_writable(path: Path) -> None:
+    """Raise an `ArgumentError` if a file cannot be written, before time is spent on its contents."""
+    if path.is_dir():
+        raise ArgumentError(f"{path} is a directory; name a file")
+    if not path.parent.is_dir():
+        raise ArgumentError(f"{path}: there is no directory {path.parent}; make it first")
+    if not os.access(path.parent, os.W_OK):
+        raise ArgumentError(f"{path}: the directory {path.parent} cannot be written to; name another")

@@ -1,4 +1,4 @@
-"""`beltsort calibrate-check`: whether a belief of 0.9 comes true nine times in ten."""
+"""`beltsort calibrate-check`: the calibration of beliefs, from simulated runs."""
 
 from argparse import Namespace
 from dataclasses import asdict
@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from beltsort import ArgumentError, SortingModel
-from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.output import print_json, print_table
 from beltsort.cli.progress import tenths
-from beltsort.cli.solve import check_writable
 from beltsort.util.text import numbers_or_none
 
 if TYPE_CHECKING:
@@ -19,32 +18,46 @@ if TYPE_CHECKING:
     from beltsort.planning.comparison import Difference
 
 OBJECTS = 300
-TOO_MUCH = 0.03
+LARGEST_ERROR = 0.03
+"""Expected calibration error above which the output suggests `--causes`."""
 DESCRIPTION = """
-Sort simulated objects of all classes from depth scans, and hold every belief against the truth. Models that
-are compared sort the same objects. Without MODEL: the simulated cell's own tables, once without and once with
-what repeated looks are worth (`repeat`).
+Sort simulated objects of all classes from depth scans, and measure how often beliefs are true: a calibrated
+belief of 0.9 is true nine times in ten. All models sort the same objects. Without MODEL, the tables of the
+simulated cell are used, once without and once with the dependence of repeated looks (`repeat`).
 """
 
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser(
-        "calibrate-check", help="whether beliefs come true as often as they say", description=DESCRIPTION
+        "calibrate-check", help="measure the calibration of beliefs", description=DESCRIPTION
     )
     parser.add_argument("models", nargs="*", metavar="MODEL", help="model files of the simulated cell")
     parser.add_argument(
-        "--classifier", type=Path, metavar="DB", help="what labels the scans (default: the demonstration's)"
+        "--classifier", type=Path, metavar="DB", help="classifier of the scans (default: that of `demo`)"
     )
     parser.add_argument(
-        "--objects", type=int, default=OBJECTS, metavar="N", help=f"sorted with each model ({OBJECTS})"
+        "--objects",
+        type=int,
+        default=OBJECTS,
+        metavar="N",
+        help=f"objects sorted with each model (default: {OBJECTS})",
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of objects and noise (default: 0)")
     parser.add_argument(
-        "--causes", type=int, metavar="N", help="look at N objects from everywhere to find what is amiss"
+        "--seed", type=int, default=0, metavar="N", help="seed of objects and noise (default: 0)"
     )
     parser.add_argument(
-        "--figure", type=Path, default=Path("calibration.png"), metavar="PNG", help="(calibration.png)"
+        "--causes",
+        type=int,
+        metavar="N",
+        help="scan N objects from every viewpoint and position to find the causes of miscalibration",
+    )
+    parser.add_argument(
+        "--figure",
+        type=Path,
+        default=Path("calibration.png"),
+        metavar="PNG",
+        help="file of the figure (default: calibration.png)",
     )
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
     add_json(parser)
@@ -88,7 +101,7 @@ def run(arguments: Namespace) -> int:
 
 
 def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel], NearestNeighbour]":
-    """Return the arms by name, and what labels the scans; training only what was not given."""
+    """Return the models by name and the classifier; the classifier is trained only if it is not given."""
     from beltsort.perception import NearestNeighbour
 
     given = {name: SortingModel.load(name) for name in arguments.models}
@@ -96,7 +109,10 @@ def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel
         raise ArgumentError(f"a model is named twice in {arguments.models}; name each once")
     if arguments.classifier is not None:
         if not given:
-            raise ArgumentError("--classifier means nothing without MODEL; name models of its labels")
+            raise ArgumentError(
+                f"--classifier {arguments.classifier} needs MODEL, expected at least one model of its "
+                "labels; name models or leave it out"
+            )
         return given, NearestNeighbour.load(arguments.classifier)
     from beltsort.sim import CellConfig
     from beltsort.sim.prepare import prepare
@@ -104,20 +120,20 @@ def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel
     prepared, config = prepare(progress=tenths), CellConfig()
     viewpoints = [viewpoint.name for viewpoint in config.viewpoints]
     own = {
-        f"{word} repeats": prepared.counts.model(config.classes, viewpoints, repeats=word == "with")
-        for word in ("without", "with")
+        name: prepared.counts.model(config.classes, viewpoints, repeats=repeats)
+        for name, repeats in (("without repeats", False), ("with repeats", True))
     }
     return given or own, prepared.database
 
 
 def differences(arms: "dict[str, Arm]") -> "dict[str, dict[str, Difference]]":
-    """Hold every arm against the first."""
+    """Return the differences of every model from the first."""
     first, *others = arms
     return {name: arms[name].minus(arms[first]) for name in others}
 
 
 def as_json(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") -> dict[str, Any]:
-    """Return everything as plain data."""
+    """Return the results as plain data."""
     return {
         "command_line": arguments.command_line,
         "seed": arguments.seed,
@@ -132,7 +148,7 @@ def as_json(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None
 
 
 def show(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") -> None:
-    """Print the figures as tables."""
+    """Print the results as tables."""
     from beltsort.calibration.layout import (
         arms_rows,
         dependences_rows,
@@ -148,11 +164,15 @@ def show(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") 
         print_table(differences_rows(differences(arms)))
     if causes is not None:
         print(
-            f"Two looks at one object, {causes.objects} objects; model: independent, but for the first row:"
+            f"Pairs of looks at the same object, {causes.objects} objects; models assume independence in all "
+            "rows but the first:"
         )
         print_table(dependences_rows(causes))
-        print(f"Imagined objects, at least {causes.objects} each:")
+        print(f"Simulated labels, at least {causes.objects} objects each:")
         print_table(simulated_rows(causes))
-    elif max(curve.ece for curve in decisions) > TOO_MUCH:
-        print(f"Decisions are not calibrated to {TOO_MUCH}; --causes 200 looks for what is amiss.")
-    print(f"picture: {arguments.figure}")
+    elif (worst := max(curve.ece for curve in decisions)) > LARGEST_ERROR:
+        print(
+            f"The calibration error of decisions is {worst:.3f}, above {LARGEST_ERROR}; run with --causes "
+            "200 to find its causes."
+        )
+    print(f"figure: {arguments.figure}")

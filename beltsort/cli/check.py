@@ -1,12 +1,11 @@
-"""`beltsort check`: whether a cell is fit to sort."""
+"""`beltsort check`: compare a cell with its cell file."""
 
 from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
-from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.cells import add_cell, tell_pretence
+from beltsort.cli.arguments import Subparsers, add_cell, add_json
 from beltsort.cli.exit_codes import EXCEEDED
-from beltsort.cli.output import print_json, print_table
+from beltsort.cli.output import print_cell_mode, print_json, print_table
 
 if TYPE_CHECKING:
     from beltsort.cell.wrappers.recorder import Recorded
@@ -18,10 +17,10 @@ def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser(
         "check",
-        help="visit every viewpoint of a cell and compare what is seen with its cell file",
-        description="Ask every device for its health, visit every viewpoint, take a scan at each, and tell "
-        "where the belt lies, what is seen of every position, and how long each act takes. Exit code 1 if a "
-        "limit of the file's table [check] is exceeded.",
+        help="visit every viewpoint of a cell and compare the scans with its cell file",
+        description="Query the health of every device, visit every viewpoint, take a scan at each, and print "
+        "where the belt is, how much of every position is seen, and the duration of each call. The exit code "
+        "is 1 if a limit of the file's table [check] is exceeded.",
     )
     add_cell(parser)
     add_json(parser)
@@ -37,18 +36,18 @@ def run(arguments: Namespace) -> int:
     from beltsort.cellfile.description import CellDescription
     from beltsort.sorting.locks import devices_locked
 
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    console = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
     description = CellDescription.load(arguments.cell)
     calls: list[Recorded] = []
     devices: list[object] = []
     cell = compose(
         description,
         live=arguments.live,
-        say=lambda line: console.print(line, markup=False),
+        say=console.print,
         record=calls.append,
         made=devices.append,
     )
-    tell_pretence(console, description, cell)
+    print_cell_mode(console, description, cell)
     with devices_locked(devices):
         found = check_cell(cell, description.check)
     if arguments.json:
@@ -61,11 +60,11 @@ def run(arguments: Namespace) -> int:
 
 
 def as_json(cell: "ComposedCell", found: "CellCheck", calls: "list[Recorded]") -> dict[str, Any]:
-    """Return what was found as plain data."""
+    """Return the results of the check as plain data."""
     from dataclasses import asdict
 
     return {
-        "dry_run": list(cell.rehearsed),
+        "dry_run": list(cell.dry_run),
         "health": {role: asdict(health) for role, health in found.health.items()},
         "viewpoints": [asdict(view) for view in found.views],
         "seconds": [
@@ -76,8 +75,9 @@ def as_json(cell: "ComposedCell", found: "CellCheck", calls: "list[Recorded]") -
 
 
 def show(found: "CellCheck", calls: "list[Recorded]") -> None:
-    """Print what was found."""
-    print_table([("device", "ready", "controller"), *health_rows(found)])
+    """Print the results of the check."""
+    health = [(role, "yes" if each.ready else "no", each.boot_id) for role, each in found.health.items()]
+    print_table([("device", "ready", "boot id"), *health])
     if found.views:
         print()
         seen = ("belt angle", "belt height", "belt points", "position", "in image", "points")
@@ -85,15 +85,10 @@ def show(found: "CellCheck", calls: "list[Recorded]") -> None:
         print_table([("viewpoint", "pose off by", *seen), *views])
     print()
     rows = [(name, str(n), f"{mean:.3f} s", f"{most:.3f} s") for name, n, mean, most in times(calls)]
-    print_table([("act", "calls", "mean", "most"), *rows])
+    print_table([("call", "number", "mean", "longest"), *rows])
     print()
     for line in found.exceeded or ["everything is within the limits"]:
         print(line)
-
-
-def health_rows(found: "CellCheck") -> list[tuple[str, ...]]:
-    """Return a row for each device."""
-    return [(role, "yes" if health.ready else "no", health.boot_id) for role, health in found.health.items()]
 
 
 def view_rows(view: "View") -> list[tuple[str, ...]]:
@@ -112,7 +107,7 @@ def view_rows(view: "View") -> list[tuple[str, ...]]:
 
 
 def times(calls: "list[Recorded]") -> list[tuple[str, int, float, float]]:
-    """Return name, number, mean and greatest duration of the calls, by name in order of appearance."""
+    """Return name, number, mean and longest duration (seconds) of each kind of call."""
     seconds: dict[str, list[float]] = {}
     for recorded in calls:
         seconds.setdefault(recorded.call.name, []).append(recorded.seconds)

@@ -1,4 +1,4 @@
-"""`beltsort classify`: which class a cloud is of."""
+"""`beltsort classify`: label point clouds."""
 
 from argparse import Namespace
 from pathlib import Path
@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.clouds import ORIGIN, add_viewpoint
+from beltsort.cli.arguments import ORIGIN, Subparsers, add_camera_position, add_json
 from beltsort.cli.output import print_json, print_table
 from beltsort.errors import CloudError
 from beltsort.geometry import Points
@@ -24,11 +23,11 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "classify",
         help="label clouds with a trained classifier",
-        description="Label clouds, each of a single object (.pcd, .ply, .xyz, .npy; metres).",
+        description="Label point clouds, each of a single object (.pcd, .ply, .xyz, .npy; metres).",
     )
-    parser.add_argument("database", metavar="DB", help="what `beltsort train` wrote")
-    parser.add_argument("clouds", metavar="CLOUD", nargs="+", type=Path, help="a file")
-    add_viewpoint(parser)
+    parser.add_argument("database", metavar="DB", help="a classifier that `beltsort train` wrote")
+    parser.add_argument("clouds", metavar="CLOUD", nargs="+", type=Path, help="a point cloud file")
+    add_camera_position(parser)
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -37,20 +36,22 @@ def run(arguments: Namespace) -> int:
     """Label and print."""
     database = NearestNeighbour.load(arguments.database)
     camera = np.array(arguments.viewpoint or ORIGIN)
-    answers = [_answer(database, cloud, camera) for cloud in arguments.clouds]
+    results = [
+        {"cloud": str(cloud), **_as_json(_match(database, cloud, camera), database.classes)}
+        for cloud in arguments.clouds
+    ]
     if arguments.json:
-        print_json({"command_line": arguments.command_line, "clouds": answers})
+        print_json({"command_line": arguments.command_line, "clouds": results})
     else:
-        print_table([["cloud", "label", "distance", "runner-up", "distance"], *map(_row, answers)])
+        print_table([["cloud", "label", "distance", "runner-up", "distance"], *map(_row, results)])
     return 0
 
 
-def _answer(database: NearestNeighbour, cloud: Path, camera: Points) -> dict[str, Any]:
+def _match(database: NearestNeighbour, cloud: Path, camera: Points) -> Match:
     try:
-        match = database.classify(read_candidate(cloud, database.config), camera)
+        return database.classify(read_candidate(cloud, database.config), camera)
     except CloudError as reason:
         raise CloudError(f"{cloud}: {reason}") from reason
-    return {"cloud": str(cloud), **_as_json(match, database.classes)}
 
 
 def _as_json(match: Match, classes: tuple[str, ...]) -> dict[str, Any]:
@@ -65,7 +66,7 @@ def _as_json(match: Match, classes: tuple[str, ...]) -> dict[str, Any]:
     }
 
 
-def _row(answer: dict[str, Any]) -> list[str]:
-    label = answer["label"] or f"none (nearest: {answer['nearest']})"
-    distances = ["-" if answer[name] is None else f"{answer[name]:.4g}" for name in DISTANCES]
-    return [answer["cloud"], label, distances[0], answer["runner_up"] or "-", distances[1]]
+def _row(result: dict[str, Any]) -> list[str]:
+    label = result["label"] or f"none (nearest: {result['nearest']})"
+    distances = ["-" if result[name] is None else f"{result[name]:.4g}" for name in DISTANCES]
+    return [result["cloud"], label, distances[0], result["runner_up"] or "-", distances[1]]

@@ -1,4 +1,4 @@
-"""`beltsort compare`: policies on the same objects."""
+"""`beltsort compare`: compare policies on the same objects."""
 
 from argparse import Namespace
 
@@ -13,13 +13,13 @@ def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser(
         "compare",
-        help="simulate policies on the same objects and print how they differ",
+        help="simulate policies on the same objects and print their differences",
         description="Simulate policies on the same objects. Differences are paired by batch.",
     )
     add_model(parser)
     parser.add_argument("--policies", nargs="+", required=True, metavar="POLICY", help=HELP)
     parser.add_argument(
-        "--baseline", metavar="POLICY", help="the one that the others are held against (default: the first)"
+        "--baseline", metavar="POLICY", help="policy that the others are compared with (default: the first)"
     )
     add_simulation(parser)
     add_json(parser)

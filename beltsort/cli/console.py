@@ -1,4 +1,4 @@
-"""A console for what goes on although nobody reads any more."""
+"""A console for runs, which must continue after the reader of their output has closed the pipe."""
 
 import os
 from contextlib import suppress
@@ -6,30 +6,35 @@ from typing import IO
 
 from rich.console import Console
 
-from beltsort.cli.output import tell
+from beltsort.cli.output import print_status
 
 
-class LastingConsole(Console):
-    """Prints nothing more once its reader has gone, where rich would end the program.
+class RunConsole(Console):
+    """A console without markup that becomes silent on a broken pipe, where rich would exit.
+
+    Text in square brackets, `[faults]` for example, is printed as it is.
 
     Attributes
     ----------
-    gone
-        Whether the reader has gone.
+    closed
+        Whether the reader has closed the pipe.
     """
 
-    gone = False
+    closed = False
+
+    def __init__(self, *, stderr: bool) -> None:
+        super().__init__(stderr=stderr, highlight=False, markup=False, soft_wrap=True)
 
     def on_broken_pipe(self) -> None:
-        """Print nothing more."""
-        self.gone = self.quiet = True
+        """Discard all further output."""
+        self.closed = self.quiet = True
         discard(self.file)
 
 
 def discard(stream: IO[str]) -> None:
-    """Send a stream to nowhere from now on, as whoever read it has gone; the other stream stays."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, stream.fileno())
-    os.close(nowhere)
-    with suppress(OSError):  # standard error may be gone as well
-        tell("beltsort: standard output was closed; nothing more is printed there")
+    """Redirect a stream whose reader has closed the pipe to the null device."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, stream.fileno())
+    os.close(null)
+    with suppress(OSError):  # standard error may be closed as well
+        print_status("beltsort: standard output was closed; further output is discarded")

@@ -1,4 +1,4 @@
-"""`beltsort demo`: the main job on the simulated cell."""
+"""`beltsort demo`: sort ten bulbs with the simulated cell."""
 
 import argparse
 from pathlib import Path
@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json
 from beltsort.cli.prepare import add_objects, recipe_of
-from beltsort.cli.watching import listening, stages
+from beltsort.cli.progress import stage_progress
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from beltsort.sim.demo import DemoResult
     from beltsort.sim.prepare import Prepared
 
 
@@ -21,11 +20,11 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "demo",
         help="sort ten bulbs from simulated depth scans",
-        description="Sort ten bulbs from depth scans. Classifier and observation tables come with the "
-        "package; for other numbers of objects they are made once and cached.",
+        description="Sort ten bulbs from simulated depth scans. Classifier and observation tables come with "
+        "the package; for other numbers of objects they are computed once and cached.",
     )
     parser.add_argument(
-        "--seed", type=int, default=0, help="seed of objects, sensor noise and planner (default 0)"
+        "--seed", type=int, default=0, help="seed of objects, sensor noise and planner (default: 0)"
     )
     add_objects(parser)
     add_json(parser)
@@ -34,28 +33,30 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from beltsort.cli.console import LastingConsole
+    from beltsort.cli.console import RunConsole
+    from beltsort.cli.live import run_display
     from beltsort.sim.demo import as_json, check_seed, run_demo
     from beltsort.sim.prepare import prepare
     from beltsort.sorting.runs import make_folder, run_name
 
-    console = LastingConsole(stderr=arguments.json, highlight=False, soft_wrap=True)
-    # Whatever can be refused is refused before minutes are spent.
+    console = RunConsole(stderr=arguments.json)
+    # Arguments are checked before minutes are spent on training.
     check_seed(arguments.seed)
     recipe = recipe_of(arguments)
     runs = make_folder(Path("runs"))
-    with stages(console) as stage:
+    with stage_progress(console) as stage:
         prepared = prepare(recipe, progress=stage)
-    _tell_tables(console, prepared)
-    with listening(console) as listener:
+    _print_tables(console, prepared)
+    with run_display(console) as listener:
         result = run_demo(prepared, arguments.seed, make_folder(runs / run_name()), listener)
-    _tell_result(console, result)
+    console.print(f"{result.correct} of {len(result.report.decisions)} right in {result.report.steps} steps")
+    console.print(f"journal, model and figure: {result.folder}")
     if arguments.json:
         print_json(as_json(result, arguments.seed))
     return 0
 
 
-def _tell_tables(console: "Console", prepared: "Prepared") -> None:
+def _print_tables(console: "Console", prepared: "Prepared") -> None:
     from beltsort.sim import CellConfig
     from beltsort.tables import agreement_text, table_one, table_two
 
@@ -68,12 +69,6 @@ def _tell_tables(console: "Console", prepared: "Prepared") -> None:
     scans = prepared.counts.counts.sum(axis=-1)
     per_row = f"{scans.min()}" if scans.min() == scans.max() else f"{scans.min()} to {scans.max()}"
     console.print(f"observation tables {where}: {per_row} scans per row, each of another object")
-    console.print(table_one(tables, config.classes, names, true=0), markup=False)
-    console.print(table_two(tables, config.classes, names, trues=(0, 1)), markup=False)
-    console.print(agreement_text(prepared.counts, names), markup=False)
-
-
-def _tell_result(console: "Console", result: "DemoResult") -> None:
-    decided = len(result.report.decisions)
-    console.print(f"{result.correct} of {decided} right in {result.report.steps} steps")
-    console.print(f"journal, model and picture: {result.folder}")
+    console.print(table_one(tables, config.classes, names, true=0))
+    console.print(table_two(tables, config.classes, names, trues=(0, 1)))
+    console.print(agreement_text(prepared.counts, names))

@@ -1,4 +1,4 @@
-"""`beltsort estimate`: observation tables from scans whose truth is known."""
+"""`beltsort estimate`: estimate observation tables from scans of objects with known classes."""
 
 import hashlib
 import json
@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError
-from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.output import print_json, tell
+from beltsort.cli.arguments import Subparsers, add_json, check_writable
+from beltsort.cli.output import print_json, print_status
 from beltsort.cli.progress import tenths
-from beltsort.cli.solve import check_writable
 
 if TYPE_CHECKING:
     from beltsort.perception import NearestNeighbour
@@ -24,15 +23,17 @@ SIMULATED = "simulated"
 OBJECTS, SEED = 100, 0
 FIGURES = (".png", ".svg", ".pdf")
 DESCRIPTION = """
-Estimate the observation tables of a cell, or from a folder of recorded scans (`beltsort.tables.recording`
-describes it). Labels are kept beside the model as they come: the same command goes on where a killed one
-stopped, and one with more --objects or more recorded scans adds to them.
+Estimate observation tables from scans of the simulated cell, or from a folder of recorded scans
+(`beltsort.tables.recording` describes its format). Labels are stored beside the model as they are computed:
+the same command resumes after an interruption, and more --objects or more recorded scans add to them.
 """
 
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
-    parser = subparsers.add_parser("estimate", help="observation tables from scans", description=DESCRIPTION)
+    parser = subparsers.add_parser(
+        "estimate", help="estimate observation tables from scans", description=DESCRIPTION
+    )
     parser.add_argument("cell", metavar="CELL", help=f"`{SIMULATED}`, or a folder of recorded scans")
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="MODEL", help="where to write the model (JSON)"
@@ -41,23 +42,23 @@ def add_parser(subparsers: Subparsers) -> None:
         "--classifier",
         type=Path,
         metavar="DB",
-        help=f"a trained classifier; without one, `{SIMULATED}` trains its own and keeps it beside the model",
+        help=f"a trained classifier (default for `{SIMULATED}`: one is trained and saved beside the model)",
     )
     parser.add_argument(
-        "--record", type=Path, metavar="FOLDER", help=f"record the scans of `{SIMULATED}` there, 7 MB each"
+        "--record", type=Path, metavar="FOLDER", help=f"record the scans of `{SIMULATED}` here, 7 MB each"
     )
     parser.add_argument(
         "--objects", type=int, metavar="N", help=f"objects per row of `{SIMULATED}` (default: {OBJECTS})"
     )
-    parser.add_argument("--seed", type=int, metavar="N", help=f"of `{SIMULATED}` (default: {SEED})")
+    parser.add_argument("--seed", type=int, metavar="N", help=f"seed of `{SIMULATED}` (default: {SEED})")
     parser.add_argument(
         "--smoothing", type=float, default=1.0, metavar="A", help="Dirichlet prior of each entry (default: 1)"
     )
     parser.add_argument(
-        "--error", type=float, default=0.03, metavar="E", help="wanted standard error (default: 0.03)"
+        "--error", type=float, default=0.03, metavar="E", help="target standard error (default: 0.03)"
     )
     parser.add_argument(
-        "--repeats", action="store_true", help="let the model know how often a second look repeats the first"
+        "--repeats", action="store_true", help="estimate the model's key `repeat` from repeated looks"
     )
     parser.add_argument("--figure", type=Path, metavar="PNG", help="draw the tables")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
@@ -92,7 +93,7 @@ def run(arguments: Namespace) -> int:
 
 
 def check(arguments: Namespace) -> None:
-    """Refuse whatever can be refused before minutes are spent."""
+    """Check the arguments before minutes are spent on scans."""
     from beltsort.tables.counts import check_smoothing
     from beltsort.tables.intervals import check_error
 
@@ -102,7 +103,10 @@ def check(arguments: Namespace) -> None:
     if arguments.figure is not None:
         check_writable(arguments.figure)
         if arguments.figure.suffix not in FIGURES:
-            raise ArgumentError(f"{arguments.figure} ends in none of {', '.join(FIGURES)}; name a picture")
+            raise ArgumentError(
+                f"--figure is {arguments.figure}, expected a name that ends in one of {', '.join(FIGURES)}; "
+                "rename it"
+            )
 
 
 def labelled_scans(arguments: Namespace) -> "tuple[list[str], list[str], list[LabelledScan]]":
@@ -110,7 +114,7 @@ def labelled_scans(arguments: Namespace) -> "tuple[list[str], list[str], list[La
     if arguments.cell != SIMULATED:
         from beltsort.tables.recording import read_recording
 
-        refuse_simulation(arguments)
+        check_recorded(arguments)
         return from_recording(read_recording(Path(arguments.cell)), classifier(arguments), arguments)
     objects = OBJECTS if arguments.objects is None else arguments.objects
     seed = SEED if arguments.seed is None else arguments.seed
@@ -128,20 +132,23 @@ def labelled_scans(arguments: Namespace) -> "tuple[list[str], list[str], list[La
     return from_recording(recording, classifier(arguments), arguments)
 
 
-def refuse_simulation(arguments: Namespace) -> None:
-    """Refuse what means nothing to a folder."""
+def check_recorded(arguments: Namespace) -> None:
+    """Reject options that do not apply to a folder of recorded scans, and require a classifier."""
     for name in ("record", "objects", "seed"):
-        if getattr(arguments, name) is not None:
-            raise ArgumentError(f"--{name} means nothing to a folder of recorded scans; leave it out")
+        if (given := getattr(arguments, name)) is not None:
+            raise ArgumentError(
+                f"--{name} {given} does not apply to {arguments.cell!r}, a folder of recorded scans; leave "
+                "it out"
+            )
     if arguments.classifier is None:
         raise ArgumentError(
-            "--classifier is missing, expected a file that NearestNeighbour.save wrote: recorded scans are "
-            "labelled with it"
+            "--classifier is missing, expected a file that NearestNeighbour.save wrote, with which to label "
+            "the recorded scans; `beltsort train` writes one"
         )
 
 
 def classifier(arguments: Namespace) -> "NearestNeighbour":
-    """Return the given classifier, or the simulated cell's own, trained once and kept beside the model."""
+    """Return the given classifier, or one for the simulated cell that is trained once and saved."""
     from beltsort.perception import NearestNeighbour
     from beltsort.sim.collect import collect_training
 
@@ -149,12 +156,12 @@ def classifier(arguments: Namespace) -> "NearestNeighbour":
     if arguments.classifier is None and not path.exists():
         database = collect_training(workers=arguments.workers, progress=tenths("training"))
         database.save(path)
-        tell(f"classifier saved as {path}")
+        print_status(f"classifier: {path}")
     return NearestNeighbour.load(path)
 
 
 def classifier_path(arguments: Namespace) -> Path:
-    """Return where the classifier is, or will be."""
+    """Return the path of the classifier, which need not exist yet."""
     path: Path = arguments.classifier or arguments.output.with_suffix(".classifier.npz")
     return path
 
@@ -197,28 +204,28 @@ def from_recording(
 
 
 def log_beside(arguments: Namespace, settings: dict[str, str]) -> "LabelLog":
-    """Open the log of labels that belongs to a model, and tell what it holds."""
+    """Open the log of labels beside the model, and print the number of labels in it."""
     from beltsort.tables.log import LabelLog
 
     path = arguments.output.with_suffix(".labels")
     log = LabelLog(path, {**settings, "classifier": digest(classifier_path(arguments).read_bytes())})
     if known := len(log.labels()):
-        tell(f"{known} scans are labelled already in {path}")
+        print_status(f"{known} scans are already labelled in {path}")
     return log
 
 
 def fingerprint(settings: object) -> str:
-    """Name plain data by what it holds."""
+    """Return a hash of plain data."""
     return digest(json.dumps(settings, sort_keys=True).encode())
 
 
 def digest(content: bytes) -> str:
-    """Name bytes by what they hold."""
+    """Return a hash of bytes: 16 hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()[:16]
 
 
 def show(result: "Estimate", arguments: Namespace) -> None:
-    """Print the tables, how well they are known, and what speaks against the model."""
+    """Print the tables, their standard errors, and tests of the model's assumptions."""
     from beltsort.tables.layout import agreement_text, independence_text, intervals_text, table_one, table_two
 
     model = result.model
@@ -236,7 +243,7 @@ def show(result: "Estimate", arguments: Namespace) -> None:
         f"{model.viewpoints[worst.viewpoint]}, true {model.classes[worst.true]}, {worst.objects} objects."
     )
     if result.missing:
-        print(f"{result.missing} more objects in each row would bring every one to {arguments.error:g}.")
+        print(f"{result.missing} more objects in each row would reduce every error to {arguments.error:g}.")
     for warning in result.warnings():
         print(f"Warning: {warning}.")
     print(f"model: {arguments.output}")

@@ -1,4 +1,4 @@
-"""`beltsort evaluate`: how well a policy sorts, by simulation."""
+"""`beltsort evaluate`: simulate a policy."""
 
 from argparse import Namespace
 
@@ -28,13 +28,13 @@ def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser("evaluate", help="simulate a policy and print its statistics")
     add_model(parser)
-    parser.add_argument("--policy", choices=OPTIONS_OF, required=True)
-    parser.add_argument("--threshold", type=float, metavar="T", help="probability at which to decide")
+    parser.add_argument("--policy", choices=OPTIONS_OF, required=True, help="kind of policy")
+    parser.add_argument("--threshold", type=float, metavar="T", help="decide at this probability or above")
     parser.add_argument(
         "--positions-counted",
         type=int,
         metavar="N",
-        help="positions whose information counts (information-gain; default: 1)",
+        help="positions over which information is summed (information-gain; default: 1)",
     )
     add_budget(parser)
     add_simulation(parser)
@@ -52,7 +52,7 @@ def run(arguments: Namespace) -> int:
 
 
 def make_policy(arguments: Namespace, model: SortingModel) -> Policy:
-    """Make the policy that was named, and refuse options that it does not have."""
+    """Return the policy, after checking that it has the given options."""
     every_option = set().union(*OPTIONS_OF.values())
     for option in sorted(every_option - OPTIONS_OF[arguments.policy]):
         if getattr(arguments, option) is not None:

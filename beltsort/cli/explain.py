@@ -1,44 +1,47 @@
-"""`beltsort explain`: why a run did what it did."""
+"""`beltsort explain`: explain an action of a run."""
 
 from argparse import Namespace
-from collections.abc import Sequence
 
 from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.narrate import Narrator
+from beltsort.cli.entry_text import EntryFormatter
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
 from beltsort.planning.explanation import action_in_words, explain, tree_in_names
 from beltsort.sorting.audit import Step, befell, entries_of, step_of
-from beltsort.sorting.journal import Entry
 
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser(
         "explain",
-        help="say why a run did what it did",
-        description="Say what was known at one planner step of a run, and why its action was chosen.",
+        help="explain an action of a run",
+        description="Print the belief at one planner step of a run, and why its action was chosen.",
     )
     add_run(parser)
     parser.add_argument("--step", type=int, required=True, metavar="N", help="planner step, from 1")
     parser.add_argument(
-        "--depth", type=int, default=2, metavar="D", help="planner steps to tell of (default: 2)"
+        "--depth", type=int, default=2, metavar="D", help="planner steps to explain (default: 2)"
     )
     add_json(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: Namespace) -> int:
-    """Find the step, plan once more, and tell."""
+    """Find the step, plan again from its belief, and print."""
     entries = entries_of(arguments.folder)
     step = step_of(entries, arguments.step)
-    mishaps = list(befell(entries, step))
+    failures = list(befell(entries, step))
     if arguments.json:
-        befallen = [{"kind": entry.kind, **entry.data} for entry in mishaps]
-        print_json(as_json(step, arguments.depth) | {"befell": befallen})
+        during = [{"kind": entry.kind, **entry.data} for entry in failures]
+        print_json(as_json(step, arguments.depth) | {"befell": during})
         return 0
     show(step, arguments.depth)
-    show_mishaps(entries[0], mishaps)
+    if failures:
+        formatter = EntryFormatter()
+        formatter.format(entries[0])  # names of classes and viewpoints
+        print("\nWhile it was carried out:")
+        for entry in failures:
+            print(f"  {formatter.format(entry)}")
     return 0
 
 
@@ -67,27 +70,21 @@ def show(step: Step, depth: int) -> None:
     rows = enumerate(step.belief.probabilities.tolist())
     print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
     if step.alarms:
-        print(f"\nAfter {step.alarms} drift alarms: belief and values rest on tables that no longer hold.")
+        print(
+            f"\nAfter {step.alarms} drift alarms: belief and values are based on observation tables that no "
+            "longer hold."
+        )
     print(f"\nIt was chosen to {action_in_words(model, step.action)}.")
     if step.reason is not None:
         print(f"A rule chose: {step.reason}.")
         return
     plan = step.plan_again()
     if plan is None:
-        print("A policy without values chose.")
+        print("It was chosen by a policy that returns no action values.")
         return
     print(explain(model, plan, depth))
     if plan.action != step.action:
         print(
-            "(Planned again, with as many trials, something else looks better: the budget was one of time.)"
+            "(Planning again with the same number of trials gives another action, since the budget was in "
+            "seconds.)"
         )
-
-
-def show_mishaps(first: Entry, mishaps: Sequence[Entry]) -> None:
-    """Print what went otherwise than planned; the run's first entry tells the names."""
-    narrator = Narrator()
-    narrator.line(first)
-    if mishaps:
-        print("\nWhile it was carried out:")
-    for entry in mishaps:
-        print(f"  {narrator.line(entry)}")

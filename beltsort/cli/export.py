@@ -1,4 +1,4 @@
-"""`beltsort export`: a model in another solver's format."""
+"""`beltsort export`: write a model in the format of other solvers."""
 
 from argparse import Namespace
 from pathlib import Path
@@ -26,7 +26,9 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: Namespace) -> int:
     """Write the file."""
     if arguments.file.suffix != FORMAT:
-        raise ArgumentError(f"{arguments.file} does not end in {FORMAT}, the one format that is written")
+        raise ArgumentError(
+            f"FILE is {arguments.file}, expected a name that ends in {FORMAT}, the only format; rename it"
+        )
     load_model(arguments).to_pomdp(arguments.file)
     written = arguments.file.stat().st_size
     if arguments.json:

@@ -1,4 +1,4 @@
-"""`beltsort info`: what runs here."""
+"""`beltsort info`: versions of the installation."""
 
 import platform
 from argparse import Namespace
@@ -16,39 +16,39 @@ PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "pydantic", "rich")
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
-    parser = subparsers.add_parser("info", help="versions, build and threads")
+    parser = subparsers.add_parser("info", help="print versions, build profile and number of threads")
     add_json(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: Namespace) -> int:
-    """Print what runs here."""
+    """Collect and print."""
     facts = gather()
     if arguments.json:
         print_json(facts)
         return 0
     packages = facts.pop("packages")
     if facts["build_profile"] == "debug":
-        facts["build_profile"] += " (of `make dev`: plans a few times slower; `make build` makes a release)"
+        facts["build_profile"] += " (from `make dev`, plans a few times slower; run `make build` for release)"
     rows = facts | {name: found or "not installed" for name, found in packages.items()}
     print_table([(name.replace("_", " "), str(value)) for name, value in rows.items()])
     return 0
 
 
 def gather() -> dict[str, Any]:
-    """Collect versions without importing the packages."""
+    """Return the versions, without importing the packages."""
     return {
         "beltsort": __version__,
         "build_profile": BUILD_PROFILE,
         "python": platform.python_version(),
         "platform": platform.platform(),
         "threads": processors(),
-        "packages": {name: installed(name) for name in PACKAGES},
+        "packages": {name: installed_version(name) for name in PACKAGES},
     }
 
 
-def installed(package: str) -> str | None:
-    """Return the version of a package, if it is installed."""
+def installed_version(package: str) -> str | None:
+    """Return the version of a package, or None if it is not installed."""
     try:
         return version(package)
     except PackageNotFoundError:

@@ -3,10 +3,16 @@
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from beltsort import Decide, Move, SortingModel
 from beltsort.util.text import text_table
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from beltsort.cellfile.composed import ComposedCell
+    from beltsort.cellfile.description import CellDescription
 
 
 def print_json(result: Mapping[str, Any]) -> None:
@@ -14,18 +20,32 @@ def print_json(result: Mapping[str, Any]) -> None:
     print(json.dumps(result, indent=2, allow_nan=False))
 
 
-def tell(line: str) -> None:
-    """Print what is not the result: on standard error."""
+def print_status(line: str) -> None:
+    """Print a line that is not part of the result, on standard error."""
     print(line, file=sys.stderr)
 
 
 def print_table(rows: Sequence[Sequence[str]]) -> None:
-    """Print rows in columns, the first one flush left."""
+    """Print rows in columns, the first column left-aligned."""
     print(text_table(rows))
 
 
+def print_cell_mode(console: "Console", description: "CellDescription", cell: "ComposedCell") -> None:
+    """Print whether faults are injected, and which devices are in a dry run."""
+    if description.faults is not None:
+        console.print(
+            "faults are injected on purpose; remove [faults] from the cell file to disable this", markup=False
+        )
+    if cell.dry_run:
+        devices = ", ".join(cell.dry_run)
+        console.print(
+            f"dry run: {devices} do not move, their commands are only printed; --live sends them",
+            markup=False,
+        )
+
+
 def action_as_json(model: SortingModel, action: Move | Decide) -> dict[str, str]:
-    """Name an action and its object."""
+    """Return an action as a dictionary of its kind and the name of its viewpoint or class."""
     match action:
         case Move(viewpoint):
             return {"move": model.viewpoints[viewpoint]}

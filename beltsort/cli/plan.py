@@ -1,4 +1,4 @@
-"""`beltsort plan`: the next action, and why."""
+"""`beltsort plan`: plan the next action."""
 
 from argparse import Namespace
 from typing import Any
@@ -21,7 +21,7 @@ NOTHING_SEEN = "-"
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
-    parser = subparsers.add_parser("plan", help="the next action for what was seen so far, and why")
+    parser = subparsers.add_parser("plan", help="plan the next action after the given scans")
     add_model(parser)
     parser.add_argument(
         "--observe",
@@ -29,23 +29,29 @@ def add_parser(subparsers: Subparsers) -> None:
         default=[],
         metavar="P=LABEL,LABEL",
         help="a scan: its viewpoint and a label per position, the belt end first, - where nothing was seen; "
-        "names or indices; repeat for further scans, in their order",
+        "names or indices; may be repeated, in the order of the scans",
     )
     parser.add_argument(
-        "--viewpoint", metavar="P", help="where the camera stands (default: at the last scan, else the first)"
+        "--viewpoint",
+        metavar="P",
+        help="current viewpoint of the camera (default: that of the last scan, else the first one)",
     )
     parser.add_argument(
         "--remaining",
         type=int,
         metavar="N",
-        help="objects left, the one at the belt end included (default: the belt never ends)",
+        help="objects left, including the one at the belt end (default: the belt never ends)",
     )
     add_budget(parser)
-    parser.add_argument("--scenarios", type=int, default=500, metavar="N", help="default: 500")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the scenarios (default: 0)")
-    parser.add_argument("--explain", action="store_true", help="say why, and what is likely to follow")
     parser.add_argument(
-        "--depth", type=int, default=2, metavar="D", help="planner steps that --explain tells of (default: 2)"
+        "--scenarios", type=int, default=500, metavar="N", help="number of scenarios (default: 500)"
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the scenarios (default: 0)")
+    parser.add_argument(
+        "--explain", action="store_true", help="print why the action was chosen, and the likely next steps"
+    )
+    parser.add_argument(
+        "--depth", type=int, default=2, metavar="D", help="planner steps that --explain covers (default: 2)"
     )
     add_json(parser)
     parser.set_defaults(run=run)
@@ -78,7 +84,7 @@ def run(arguments: Namespace) -> int:
 
 
 def parse_scan(text: str, model: SortingModel) -> tuple[int, list[int | None]]:
-    """Read one `P=LABEL,LABEL`."""
+    """Parse one `P=LABEL,LABEL`."""
     viewpoint, equals, labels = text.partition("=")
     if not equals:
         raise ArgumentError(f"--observe {text}: expected VIEWPOINT=LABEL,LABEL with a label per position")
@@ -116,7 +122,7 @@ def show(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> Non
     print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
     print(f"\nThe camera stands at {model.viewpoints[viewpoint]}.")
     print(f"Next: {action_in_words(model, plan.action)}.")
-    print("\nEstimated value of each action (expected discounted reward), and what it lacks of the best:")
+    print("\nEstimated value of each action (expected discounted reward), and its gap to the best:")
     best_first = sorted(plan.values.items(), key=lambda entry: -entry[1])
     best = best_first[0][1]
     print_table(
@@ -125,9 +131,9 @@ def show(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> Non
             for action, value in best_first
         ]
     )
-    print(f"\nThe search's own problem is worth {plan.lower:.3f} to {plan.upper:.3f}", end="; ")
+    print(f"\nBounds of the sampled problem's value: {plan.lower:.3f} to {plan.upper:.3f}.")
     certified = f"at most {plan.certified_upper:.3f}"
     if plan.certified_lower is not None:
         certified = f"{plan.certified_lower:.3f} to {plan.certified_upper:.3f}"
-    print(f"the best possible policy earns {certified}.")
+    print(f"Certified bounds of the optimal value: {certified}.")
     print(f"{plan.trials} trials in {plan.seconds:.3f} s.")

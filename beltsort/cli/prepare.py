@@ -1,4 +1,4 @@
-"""`beltsort prepare`: classifier and observation tables of the default simulated cell, made anew."""
+"""`beltsort prepare`: compute classifier and observation tables of the default simulated cell."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
@@ -13,19 +13,26 @@ if TYPE_CHECKING:
     from beltsort.sim.prepare import Recipe
 
 DESCRIPTION = """
-Train the classifier of the default simulated cell, label the scans of its observation tables, and write
-both to a folder, beside what made them (about.json). In a checkout, `-o beltsort/models/simulated_cell` makes
-anew what comes with the package.
+Train the classifier of the default simulated cell, label the scans for its observation tables, and write both
+to a folder, with the settings and versions (about.json). In a checkout, `-o beltsort/models/simulated_cell`
+updates the files that come with the package.
 """
 
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser(
-        "prepare", help="classifier and tables of the default cell, made anew", description=DESCRIPTION
+        "prepare",
+        help="compute classifier and tables of the default simulated cell",
+        description=DESCRIPTION,
     )
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="FOLDER", help="replaced if it is one of these"
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="FOLDER",
+        help="output folder; one that `beltsort prepare` wrote before is replaced",
     )
     add_objects(parser)
     add_json(parser)
@@ -33,23 +40,23 @@ def add_parser(subparsers: Subparsers) -> None:
 
 
 def add_objects(parser: ArgumentParser) -> None:
-    """Add how many objects classifier and tables are made from; `recipe_of` reads them."""
+    """Add the numbers of objects for training and for the tables; `recipe_of` reads them."""
     parser.add_argument(
         "--objects-per-row",
         type=int,
         metavar="N",
-        help="independent objects per row of the observation tables (default 100)",
+        help="independent objects per row of the observation tables (default: 100)",
     )
     parser.add_argument(
         "--training-objects",
         type=int,
         metavar="N",
-        help="objects per class, viewpoint and position that the classifier is trained on (default 40)",
+        help="training objects per class, viewpoint and position (default: 40)",
     )
 
 
 def recipe_of(arguments: Namespace) -> "Recipe":
-    """Return what the arguments ask for."""
+    """Return the recipe with the numbers of objects in the arguments."""
     from beltsort.sim.prepare import Recipe
 
     given = {
@@ -60,13 +67,14 @@ def recipe_of(arguments: Namespace) -> "Recipe":
 
 
 def run(arguments: Namespace) -> int:
-    """Make and store."""
+    """Train, label and store."""
     from beltsort.sim.prepare import ABOUT, make
 
     recipe, folder = recipe_of(arguments), arguments.output
     if folder.exists() and not (folder / ABOUT).exists():
         raise ArgumentError(
-            f"{folder} exists and holds no {ABOUT}: name a new folder, or one made by prepare"
+            f"{folder} exists and contains no {ABOUT}, expected a new folder or one that `beltsort prepare` "
+            "wrote: name another"
         )
     seconds = make(recipe, folder, tenths).seconds
     sizes = {file.name: file.stat().st_size for file in sorted(folder.iterdir())}

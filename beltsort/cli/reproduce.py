@@ -1,11 +1,11 @@
-"""`beltsort reproduce`: the paper's experiments from one command."""
+"""`beltsort reproduce`: run the paper's experiments."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.output import print_json, print_table, tell
+from beltsort.cli.output import print_json, print_status, print_table
 from beltsort.cli.progress import tenths
 
 if TYPE_CHECKING:
@@ -20,21 +20,21 @@ def add_parser(subparsers: Subparsers) -> None:
         "reproduce",
         help="run the paper's experiments; write figures, tables and a report",
         description="Run the paper's experiments, with labels drawn from tables and from depth scans, and "
-        "write every figure (PNG, SVG), the numbers (CSV) and one report (HTML) into a folder. A run that "
-        "broke off goes on if started again with the same folder. The full run takes about half an hour of "
-        "two idle cores, and two minutes more for training and tables the first time.",
+        "write the figures (PNG, SVG), the numbers (CSV) and a report (HTML) to a folder. An interrupted run "
+        "resumes if started again with the same folder. The full run takes about half an hour on two idle "
+        "cores.",
     )
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="few batches, three penalties for depth scans, no discount of 0.99, at most three positions: "
-        "under three minutes once tables are cached",
+        help="few batches, three penalties for depth scans, no discount of 0.99, at most three positions; "
+        "takes under three minutes",
     )
     parser.add_argument(
-        "-o", "--output", type=Path, default=Path(FOLDER), metavar="FOLDER", help=f"default: {FOLDER}"
+        "-o", "--output", type=Path, default=Path(FOLDER), metavar="FOLDER", help=f"(default: {FOLDER})"
     )
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one for each core)")
-    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of everything (default: 0)")
+    parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed (default: 0)")
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -47,7 +47,7 @@ def run(arguments: Namespace) -> int:
     from beltsort.sorting.runs import make_folder
     from beltsort.util.processes import at_least_one
 
-    # Whatever can be refused is refused before minutes are spent.
+    # Arguments are checked before minutes are spent on simulations.
     check_seed(arguments.seed)
     if arguments.workers is not None:
         at_least_one("workers", arguments.workers)
@@ -69,7 +69,7 @@ def run(arguments: Namespace) -> int:
 
 
 def as_json(done: "Reproduction", arguments: Namespace) -> dict[str, Any]:
-    """Say what was found and written as plain data."""
+    """Return the findings and the written files as plain data."""
     return {
         "command_line": arguments.command_line,
         "seed": arguments.seed,
@@ -91,4 +91,4 @@ def show_text(done: "Reproduction") -> None:
             print(f"\n{where}")
         print_table([[f"{result.conclusion}:", result.claim]])
         print(f"    {result.text}")
-    tell(f"written: {done.report}, {len(done.tables)} tables, {len(done.pictures)} figures")
+    print_status(f"written: {done.report}, {len(done.tables)} tables, {len(done.pictures)} figures")

@@ -1,4 +1,4 @@
-"""`beltsort run`: sort with the cell that a file describes."""
+"""`beltsort run`: sort with the cell of a cell file."""
 
 import shlex
 import sys
@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError, BeltsortError
 from beltsort.cell.commands import SortInto
-from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.cells import add_cell, tell_pretence
+from beltsort.cli.arguments import Subparsers, add_cell, add_json
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
-from beltsort.cli.output import print_json, tell
-from beltsort.cli.watching import listening, stages
+from beltsort.cli.output import print_cell_mode, print_json, print_status
+from beltsort.cli.progress import stage_progress
 from beltsort.sorting.holds import Answer, HeldError, Hold
 from beltsort.sorting.interrupts import Interrupts
 from beltsort.sorting.runs import JOURNAL
@@ -32,26 +31,31 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "run",
         help="sort with the cell of a cell file",
-        description="Sort the next objects of the belt. Journal, model and a record of every call of a "
-        "device are kept in a folder of the run under runs/.",
+        description="Sort the next objects on the belt. The journal, the model and a log of all calls of "
+        "devices are written to a folder of the run under runs/. docs/recovery.md describes how a run that "
+        "was interrupted or is held continues.",
     )
     add_cell(parser)
     parser.add_argument(
-        "--objects", type=int, metavar="N", help="belt places to work through (default: the cell file's)"
+        "--objects",
+        type=int,
+        metavar="N",
+        help="number of objects, empty cups included (default: that of the cell file)",
     )
     parser.add_argument(
-        "--resume", type=Path, metavar="RUN", help="go on with a run that was broken off: its folder"
+        "--resume", type=Path, metavar="RUN", help="folder of an interrupted or held run to resume"
     )
     parser.add_argument(
         "--settle",
         choices=[answer.value for answer in Answer],
-        help="what you found where the run is held, as it asked",
+        help="answer to the question of a held run that is resumed",
     )
     parser.add_argument(
         "--first-object",
         type=int,
         metavar="N",
-        help="number of the object at the belt end, for a belt that does not know (default: it is asked)",
+        help="number of the object at the belt end; homes the belt if its position is not known (default: "
+        "the number that the belt reports)",
     )
     add_json(parser)
     parser.set_defaults(run=run)
@@ -60,37 +64,38 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: Namespace) -> int:
     """Run the command."""
     from beltsort.cellfile.run import as_json, open_run
-    from beltsort.cli.console import LastingConsole, discard
+    from beltsort.cli.console import RunConsole, discard
+    from beltsort.cli.live import run_display
     from beltsort.sorting.runs import make_folder
 
-    console = LastingConsole(stderr=arguments.json, highlight=False, soft_wrap=True)
-    description = described(arguments)
+    console = RunConsole(stderr=arguments.json)
+    description = load_description(arguments)
     runs = make_folder(Path("runs"))
-    with stages(console) as stage:
+    with stage_progress(console) as stage:
         opened = open_run(
             description,
             runs,
             live=arguments.live,
-            say=lambda line: console.print(line, markup=False),
+            say=console.print,
             progress=stage,
             resume=arguments.resume,
             first=arguments.first_object,
         )
-    tell_pretence(console, description, opened.cell)
-    operator = Settling(arguments.settle, opened.broken_off)
-    with Interrupts() as interrupts, listening(console) as listener:
+    print_cell_mode(console, description, opened.cell)
+    operator = CommandLineOperator(arguments.settle, opened.broken_off)
+    with Interrupts() as interrupts, run_display(console) as listener:
         try:
             report = opened.sort(listener, operator, interrupts.check)
         except HeldError as held:
-            tell(f"beltsort: {held}")
-            for line in lines_to_type(held.hold, arguments, opened):
-                tell(f"    {line}")
+            print_status(f"beltsort: {held}")
+            for line in ways_to_resume(held.hold, arguments, opened):
+                print_status(f"    {line}")
             return NEEDS_PERSON if held.hold.person else TRY_AGAIN
         except (BeltsortError, KeyboardInterrupt):
             if (opened.folder / JOURNAL).exists():
-                tell(f"beltsort: to go on: {shlex.join(words_to_resume(arguments, opened))}")
+                print_status(f"beltsort: to resume: {shlex.join(resume_command(arguments, opened))}")
             raise
-    tell_result(console, opened, report)
+    print_result(console, opened, report)
     if arguments.json:
         try:
             print_json(as_json(opened, report))
@@ -100,44 +105,45 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-class Settling:
-    """Gives the answer of `--settle` where the run asks for it, or asks at the terminal.
+class CommandLineOperator:
+    """Answers the questions of a held run: the first one with `--settle`, others at the terminal.
 
     Parameters
     ----------
     settle
-        The option.
+        The option's value.
     broken_off
-        How far the run had come that is resumed.
+        Progress of the run that is resumed; None for a new run.
 
     Raises
     ------
     ArgumentError
-        If the run waits for no such answer.
+        If the run has no question with this answer.
     """
 
     def __init__(self, settle: str | None, broken_off: "Progress | None") -> None:
         self._answer = None if settle is None else Answer(settle)
         self._index = None if broken_off is None else broken_off.index
-        if self._answer is not None and (broken_off is None or not waits_for(self._answer, broken_off)):
+        if self._answer is not None and (broken_off is None or not may_answer(self._answer, broken_off)):
             raise ArgumentError(
-                f"--settle is {settle}, but this run waits for no such answer (it may have been given "
+                f"--settle is {settle}, but the run waits for no such answer (it may have been given "
                 "already): leave it out"
             )
 
     def __call__(self, hold: Hold) -> Answer | None:
-        """Return the answer to a hold: the option answers the first question only."""
+        """Return the answer to a hold, or raise `HeldError` if there is none."""
         answer, self._answer = self._answer, None
         if answer in hold.answers and hold.object == self._index:
             return answer
-        homing = any(way.home is not None for way in hold.ways)  # by another command, which needs the device
+        # `beltsort home` drives the belt itself, so this run must end and release it first.
+        homing = any(way.home is not None for way in hold.ways)
         if homing or sys.stdin is None or not (sys.stdin.isatty() and sys.stderr.isatty()):
             raise HeldError(hold)
         return ask(hold)
 
 
-def waits_for(answer: Answer, broken_off: "Progress") -> bool:
-    """Tell whether an answer can be about where a run was broken off."""
+def may_answer(answer: Answer, broken_off: "Progress") -> bool:
+    """Return whether the first question of a resumed run can have this answer."""
     if answer is Answer.PASSED:
         return True
     pending = broken_off.pending
@@ -146,14 +152,14 @@ def waits_for(answer: Answer, broken_off: "Progress") -> bool:
 
 
 def ask(hold: Hold) -> Answer | None:
-    """Ask at the terminal which of the ways is gone."""
+    """Ask at the terminal which of the hold's ways applies."""
     where = "" if hold.command is None else f" at {hold.command.act}"
-    tell(f"held{where}: {hold.reason}.")
+    print_status(f"held{where}: {hold.reason}.")
     ways = {"again" if way.answer is None else way.answer.value: way for way in hold.ways}
     for word, way in ways.items():
-        tell(f"    {word}: {way.when}")
+        print_status(f"    {word}: {way.when}")
     while True:
-        tell(f"Type {' or '.join(ways)}, or nothing to end the run: ")
+        print_status(f"Enter {' or '.join(ways)}, or nothing to end the run: ")
         word = sys.stdin.readline().strip().lower()
         if not word:
             raise HeldError(hold)
@@ -161,23 +167,23 @@ def ask(hold: Hold) -> Answer | None:
             return ways[word].answer
 
 
-def lines_to_type(hold: Hold, arguments: Namespace, opened: "CellRun") -> list[str]:
-    """Return what to type for each way to go on with a run that is held, or to begin it."""
+def ways_to_resume(hold: Hold, arguments: Namespace, opened: "CellRun") -> list[str]:
+    """Return a line for each way to resume a held run (or to start it): its condition and its commands."""
     lines = []
     for way in hold.ways:
         settle = [] if way.answer is None else ["--settle", way.answer.value]
-        typed = shlex.join([*words_to_resume(arguments, opened), *settle])
+        command = shlex.join([*resume_command(arguments, opened), *settle])
         if way.home is not None and opened.homable:
             homing = ["beltsort", "home", arguments.cell, str(way.home), "--live"]
-            typed = f"{shlex.join(homing)} && {typed}"
+            command = f"{shlex.join(homing)} && {command}"
         elif way.home is not None:
-            typed = f"bring the belt to object {way.home} by its own means, then {typed}"
-        lines.append(f"{way.when}: {typed}")
+            command = f"bring the belt to object {way.home} with its own controls, then {command}"
+        lines.append(f"{way.when}: {command}")
     return lines
 
 
-def words_to_resume(arguments: Namespace, opened: "CellRun") -> list[str]:
-    """Return the command that goes on with a run, or begins it if it has not begun."""
+def resume_command(arguments: Namespace, opened: "CellRun") -> list[str]:
+    """Return the command line that resumes the run, or starts it if it has no journal yet."""
     words = ["beltsort", "run", arguments.cell, *(["--live"] if arguments.live else [])]
     if arguments.objects is not None:
         words += ["--objects", str(arguments.objects)]
@@ -186,16 +192,19 @@ def words_to_resume(arguments: Namespace, opened: "CellRun") -> list[str]:
     return words
 
 
-def described(arguments: Namespace) -> "CellDescription":
-    """Read the cell file, with the number of objects that was asked for."""
+def load_description(arguments: Namespace) -> "CellDescription":
+    """Read the cell file and apply `--objects`."""
     from beltsort.cellfile.description import CellDescription
 
     description = CellDescription.load(arguments.cell)
     first = arguments.first_object
     if first is not None and first < 0:
-        raise ArgumentError(f"--first-object is {first}, expected a number from 0 on")
+        raise ArgumentError(f"--first-object is {first}, expected at least 0; give the object's number")
     if first is not None and arguments.resume is not None:
-        raise ArgumentError("--first-object is for a new run; a resumed run knows its objects: leave one out")
+        raise ArgumentError(
+            f"--first-object {first} is for a new run, and --resume {arguments.resume} continues with the "
+            "object of its journal: leave one out"
+        )
     if arguments.objects is None:
         return description
     if arguments.objects < 1:
@@ -203,8 +212,8 @@ def described(arguments: Namespace) -> "CellDescription":
     return description.model_copy(update={"objects": arguments.objects})
 
 
-def tell_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:
-    """Say what was sorted, and where the record is."""
+def print_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:
+    """Print the number of objects in each bin, and the folder of the run."""
     names = [*opened.model.classes, "rejected"]
     counts = Counter(names[-1 if d.label is None else d.label] for d in report.decisions)
     sorted_into = [f"{counts[name]} {name}" for name in names if counts[name]]
@@ -213,5 +222,5 @@ def tell_result(console: "Console", opened: "CellRun", report: "SortingReport") 
     parts = [*sorted_into, *empty, *passed]
     console.print(f"{len(report.decisions)} sorted in {report.steps} steps: {', '.join(parts)}")
     if report.drift:
-        console.print(f"{len(report.drift)} drift alarms: estimate the tables anew before the next run")
+        console.print(f"{len(report.drift)} drift alarms: estimate the tables again before the next run")
     console.print(f"journal, model and calls: {opened.folder}")

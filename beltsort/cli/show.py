@@ -1,4 +1,4 @@
-"""`beltsort show`: what a run did."""
+"""`beltsort show`: print a run."""
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
@@ -6,8 +6,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.narrate import Narrator
-from beltsort.cli.output import print_json, tell
+from beltsort.cli.entry_text import EntryFormatter
+from beltsort.cli.output import print_json, print_status
 from beltsort.sorting.audit import entries_of, write_csv
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.progress import Progress
@@ -18,26 +18,26 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "show",
         help="print a run",
-        description="Print what a run did, also of one that is under way.",
+        description="Print the events of a run, which may still be in progress.",
     )
     add_run(parser)
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="write every journal entry to a CSV file")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="also write all entries to a CSV file")
     add_json(parser)
     parser.set_defaults(run=run)
 
 
 def add_run(parser: ArgumentParser) -> None:
-    """Add the run to look at."""
+    """Add the run's folder."""
     parser.add_argument("folder", metavar="RUN", type=Path, help="a run's folder, or its journal.sqlite")
 
 
 def run(arguments: Namespace) -> int:
-    """Read, print, and write the CSV file if asked to."""
+    """Read and print, and write the CSV file if requested."""
     entries = entries_of(arguments.folder)
     progress = Progress.after(entries)
     if arguments.csv is not None:
         write_csv(entries, arguments.csv)
-        tell(f"{len(entries)} entries written to {arguments.csv}")
+        print_status(f"{len(entries)} entries written to {arguments.csv}")
     if arguments.json:
         print_json(
             {
@@ -57,13 +57,13 @@ def run(arguments: Namespace) -> int:
 
 
 def show(entries: Sequence[Entry], progress: Progress) -> None:
-    """Print a line for each entry that tells something new, and how far the run has come."""
-    narrator = Narrator()
+    """Print a line for each displayed entry, and the progress of the run."""
+    formatter = EntryFormatter()
     for entry in entries:
-        line = narrator.line(entry)
+        line = formatter.format(entry)
         if line is not None:
             print(f"{entry.number:>6}  {entry.time[:19].replace('T', ' ')}  {line}")
     done = f"{len(progress.decisions)} sorted, {len(progress.skipped)} empty"
     if progress.drift.alarms:
-        print(f"{len(progress.drift.alarms)} drift alarms: labels no longer come as the tables say")
+        print(f"{len(progress.drift.alarms)} drift alarms: labels no longer fit the observation tables")
     print(f"{done}, {progress.objects - progress.index} left; {progress.steps} steps")

@@ -1,14 +1,13 @@
-"""`beltsort train`: a classifier from folders of clouds or meshes."""
+"""`beltsort train`: train a classifier on folders of point clouds or meshes."""
 
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentTypeError, Namespace
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from beltsort import ArgumentError
-from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.clouds import ORIGIN, add_viewpoint
-from beltsort.cli.output import print_json, tell
+from beltsort.cli.arguments import ORIGIN, Subparsers, add_camera_position, add_json, check_writable
+from beltsort.cli.output import print_json, print_status
 from beltsort.cli.progress import tenths
 from beltsort.perception.confusion import Confusion, confusion
 from beltsort.perception.distances import DISTANCES
@@ -25,37 +24,21 @@ def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser(
         "train",
-        help="train a classifier from folders of clouds or meshes",
-        description="Train a nearest-neighbour classifier. Each sub-folder of FOLDER is a class and holds "
-        "clouds of single objects (.pcd, .ply, .xyz, .npy; metres). The report is by leaving one out: every "
-        "entry is classified by all others.",
+        help="train a classifier on folders of point clouds or meshes",
+        description="Train a nearest-neighbour classifier. Each sub-folder of FOLDER is a class and contains "
+        "point clouds of single objects (.pcd, .ply, .xyz, .npy; metres). Prints the confusion matrix of "
+        "leave-one-out cross-validation.",
     )
     parser.add_argument("folder", metavar="FOLDER", type=Path, help="one sub-folder for each class")
     parser.add_argument(
         "-o", "--output", metavar="DB", type=Path, required=True, help="where to write the database (.npz)"
     )
-    add_viewpoint(parser)
-    _add_meshes(parser)
-    parser.add_argument("--distance", choices=list(DISTANCES), default="chi2", help="default: chi2")
-    parser.add_argument("-k", type=int, default=1, metavar="N", help="neighbours that vote (default: 1)")
-    parser.add_argument(
-        "--reject",
-        type=_rejection,
-        metavar="DISTANCE",
-        help=f"give no label beyond this distance; {AUTOMATIC}: the one within which {PERCENTILE:g} of 100 "
-        "entries lie of another of their class (default: every cloud gets a label)",
-    )
-    parser.add_argument("--figure", metavar="PNG", type=Path, help="draw which class is taken for which")
-    add_json(parser)
-    parser.set_defaults(run=run)
-
-
-def _add_meshes(parser: ArgumentParser) -> None:
+    add_camera_position(parser)
     parser.add_argument(
         "--meshes",
         action="store_true",
-        help="FOLDER holds meshes (PLY, STL, OBJ, OFF, glTF; metres, axis along z), which are scanned in the "
-        "simulated cell; one outside of a sub-folder is a class of its own",
+        help="FOLDER contains meshes (PLY, STL, OBJ, OFF, glTF; metres, axis along z), which are scanned in "
+        "the simulated cell; a mesh outside of a sub-folder is a class of its own",
     )
     parser.add_argument(
         "--objects",
@@ -64,8 +47,25 @@ def _add_meshes(parser: ArgumentParser) -> None:
         help=f"with --meshes: objects per mesh, viewpoint and position (default: {OBJECTS})",
     )
     parser.add_argument(
-        "--seed", type=int, metavar="N", help=f"with --meshes: of the scans (default: {SEED})"
+        "--seed", type=int, metavar="N", help=f"with --meshes: seed of the scans (default: {SEED})"
     )
+    parser.add_argument(
+        "--distance",
+        choices=list(DISTANCES),
+        default="chi2",
+        help="distance between descriptors (default: chi2)",
+    )
+    parser.add_argument("-k", type=int, default=1, metavar="N", help="neighbours that vote (default: 1)")
+    parser.add_argument(
+        "--reject",
+        type=_rejection,
+        metavar="DISTANCE",
+        help=f"give no label if the nearest entry is farther than this; {AUTOMATIC}: the {PERCENTILE:g}th "
+        "percentile of the distances between nearest entries of the same class (default: no rejection)",
+    )
+    parser.add_argument("--figure", metavar="PNG", type=Path, help="draw the confusion matrix")
+    add_json(parser)
+    parser.set_defaults(run=run)
 
 
 def _rejection(text: str) -> float | str:
@@ -85,12 +85,12 @@ def run(arguments: Namespace) -> int:
     _check_arguments(arguments)
     trained = _trained(arguments)
     for skipped in trained.skipped:
-        tell(f"skipped {skipped.path}: {skipped.reason}")
+        print_status(f"skipped {skipped.path}: {skipped.reason}")
     left_out = leave_one_out(trained.database)
     suggested = rejection_threshold(trained.database, left_out)
-    reject = _chosen(arguments.reject, suggested)
-    database, answers = with_rejection(trained.database, left_out, reject)
-    table = confusion(database.labels, answers, database.classes)
+    reject = _rejection_distance(arguments.reject, suggested)
+    database, predicted = with_rejection(trained.database, left_out, reject)
+    table = confusion(database.labels, predicted, database.classes)
     database.save(arguments.output)
     if arguments.figure is not None:
         from beltsort.perception.confusion import draw_confusion
@@ -104,17 +104,19 @@ def run(arguments: Namespace) -> int:
 
 
 def _check_arguments(arguments: Namespace) -> None:
-    """Refuse what can be refused before minutes are spent."""
-    foreign = ("viewpoint",) if arguments.meshes else ("objects", "seed")
-    for name in foreign:
+    """Check the arguments before minutes are spent on training."""
+    inapplicable = ("viewpoint",) if arguments.meshes else ("objects", "seed")
+    for name in inapplicable:
         if getattr(arguments, name) is not None:
             where = "with" if arguments.meshes else "without"
-            raise ArgumentError(f"--{name} means nothing {where} --meshes; leave it out")
+            raise ArgumentError(f"--{name} does not apply {where} --meshes; leave it out")
     if arguments.figure is not None and arguments.figure.suffix != ".png":
-        raise ArgumentError(f"{arguments.figure} does not end in .png, the one format that is drawn")
+        raise ArgumentError(
+            f"--figure is {arguments.figure}, expected a name that ends in .png, the only format; rename it"
+        )
     for file in (arguments.output, arguments.figure):
-        if file is not None and not file.parent.is_dir():
-            raise ArgumentError(f"{file.parent} is no folder, so {file} cannot be written; make it first")
+        if file is not None:
+            check_writable(file)
 
 
 def _trained(arguments: Namespace) -> Trained:
@@ -132,13 +134,14 @@ def _trained(arguments: Namespace) -> Trained:
     )
 
 
-def _chosen(reject: float | str | None, suggested: float | None) -> float | None:
+def _rejection_distance(reject: float | str | None, suggested: float | None) -> float | None:
+    """Return the distance of `--reject`, with `auto` replaced by the suggested one."""
     if not isinstance(reject, str):
         return reject
     if suggested is None:
         raise ArgumentError(
-            f"--reject {reject}: no class has two different entries, expected some that show how far apart "
-            "they lie; give more clouds, or a distance"
+            f"--reject {reject}: no class has two different entries, expected at least one class with two, "
+            "to measure their distance; give more clouds, or a distance"
         )
     return suggested
 
@@ -171,12 +174,12 @@ def _show_text(
         f"{arguments.output}: {table.total} entries of {len(table.classes)} classes, "
         f"distance {database.distance}, k = {database.k}"
     )
-    print(f"Leaving one out, {table.right} of {table.total} are right ({share:.1f} %):")
+    print(f"Leave-one-out: {table.right} of {table.total} are right ({share:.1f} %):")
     print(table)
     if database.reject is not None:
-        print(f"Beyond distance {database.reject:g} there is no label.")
+        print(f"Clouds farther than {database.reject:g} from every entry get no label.")
     elif suggested is not None:
         print(
-            f"Every cloud gets a label. {PERCENTILE:g} of 100 entries lie within distance {suggested:g} of "
-            f"another of their class: --reject {AUTOMATIC} gives no label beyond it."
+            f"Every cloud gets a label. The {PERCENTILE:g}th percentile of the distance to the nearest entry "
+            f"of the same class is {suggested:g}; --reject {AUTOMATIC} gives no label beyond it."
         )

@@ -1,12 +1,12 @@
-"""`beltsort viewpoints`: where the camera may stand, and what moves cost."""
+"""`beltsort viewpoints`: choose viewpoints and compute the costs of moves."""
 
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.output import print_json, print_table, tell
+from beltsort.cli.output import print_json, print_status, print_table
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from beltsort.viewpoints.robots import ROBOTS, robot_urdf
 from beltsort.viewpoints.sampled import LOWEST
@@ -24,57 +24,78 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "viewpoints",
         help="choose viewpoints on the half-sphere",
-        description="Sample the half-sphere about the belt end, drop what the arm does not reach, connect "
-        "neighbours and choose viewpoints. Writes them, with the cost of moves, and draws a picture beside.",
+        description="Sample points on the half-sphere around the belt end, remove those that the arm cannot "
+        "reach, connect neighbours in a graph and choose viewpoints. Writes the viewpoints and the costs of "
+        "moves to FILE, and a figure next to it.",
     )
-    parser.add_argument("file", metavar="FILE", type=Path, help=f"where to write; ends in {FORMAT}")
+    parser.add_argument("file", metavar="FILE", type=Path, help=f"output file; ends in {FORMAT}")
     default = Sampling()
-    parser.add_argument("--method", choices=METHODS, default=default.method, help="default: %(default)s")
     parser.add_argument(
-        "--count", type=int, default=default.count, metavar="N", help="points (default: %(default)s)"
+        "--method", choices=METHODS, default=default.method, help="sampling (default: %(default)s)"
     )
     parser.add_argument(
-        "--radius", type=float, default=default.radius, metavar="R", help="metres (default: %(default)s)"
+        "--count",
+        type=int,
+        default=default.count,
+        metavar="N",
+        help="number of points (default: %(default)s)",
     )
     parser.add_argument(
-        "--seed", type=int, default=default.seed, metavar="N", help="of uniform points (default: %(default)s)"
+        "--radius",
+        type=float,
+        default=default.radius,
+        metavar="R",
+        help="radius of the half-sphere, metres (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=int,
+        default=default.seed,
+        metavar="N",
+        help="seed of uniform points (default: %(default)s)",
     )
     parser.add_argument(
         "--lowest",
         type=float,
         default=LOWEST,
         metavar="E",
-        help="elevation below which nothing is used, degrees (default: %(default)s)",
+        help="smallest elevation, degrees (default: %(default)s)",
     )
     chosen = parser.add_mutually_exclusive_group()
     chosen.add_argument(
-        "--viewpoints", type=int, default=3, metavar="K", help="how many, far apart (default: %(default)s)"
+        "--viewpoints",
+        type=int,
+        default=3,
+        metavar="K",
+        help="number of viewpoints, chosen far apart (default: %(default)s)",
     )
     chosen.add_argument("--points", metavar="I,J", help="choose these points, by index")
     parser.add_argument(
-        "--neighbours-only", action="store_true", help="one move only reaches neighbours in the graph"
+        "--neighbours-only", action="store_true", help="restrict moves to neighbours in the graph"
     )
-    _add_arm(parser)
-    add_json(parser)
-    parser.set_defaults(run=run)
-
-
-def _add_arm(parser: ArgumentParser) -> None:
     robot = parser.add_mutually_exclusive_group()
-    robot.add_argument("--robot", choices=ROBOTS, help="drop what this robot does not reach (extra: ik)")
-    robot.add_argument("--urdf", type=Path, metavar="FILE", help="the same for the robot of a URDF")
+    robot.add_argument(
+        "--robot", choices=ROBOTS, help="remove points that this robot cannot reach (needs the extra ik)"
+    )
+    robot.add_argument("--urdf", type=Path, metavar="FILE", help="the same for a robot described by URDF")
     parser.add_argument("--tip", metavar="FRAME", help="the camera's frame in the URDF; needed with --urdf")
     parser.add_argument(
         "--base",
         metavar="X,Y,Z,YAW",
-        help=f"where the robot stands: metres from the belt end, x upstream, and degrees ({BASE_EXAMPLE})",
+        help="pose of the robot's base: metres from the belt end, x upstream, z up, and degrees "
+        f"({BASE_EXAMPLE})",
     )
+    add_json(parser)
+    parser.set_defaults(run=run)
 
 
 def run(arguments: Namespace) -> int:
     """Choose, write, draw and print."""
     if arguments.file.suffix != FORMAT:
-        raise ArgumentError(f"{arguments.file} does not end in {FORMAT}; the picture's name ends in .png")
+        raise ArgumentError(
+            f"FILE is {arguments.file}, expected a name that ends in {FORMAT}; rename it (the figure's name "
+            "ends in .png)"
+        )
     views = map_viewpoints(
         Sampling(arguments.method, arguments.count, arguments.radius, arguments.seed),
         arguments.viewpoints if arguments.points is None else parse_points(arguments.points),
@@ -84,24 +105,19 @@ def run(arguments: Namespace) -> int:
     )
     picture = arguments.file.with_suffix(".png")
     views.save(arguments.file)
-    draw(views, picture)
+    from beltsort.viewpoints.figure import draw_sphere  # matplotlib, not loaded before the work is done
+
+    draw_sphere(views, picture)
     if arguments.json:
         print_json(as_json(views, arguments, picture))
     else:
         show_text(views)
-        tell(f"written: {arguments.file}, {picture}")
+        print_status(f"written: {arguments.file}, {picture}")
     return 0
 
 
-def draw(views: ViewpointMap, picture: Path) -> None:
-    """Draw the picture, and load matplotlib only now."""
-    from beltsort.viewpoints.figure import draw_sphere
-
-    draw_sphere(views, picture)
-
-
 def reach_of(arguments: Namespace) -> dict[str, Any]:
-    """Return what is reachable, as keywords of `map_viewpoints`."""
+    """Return the reachability of an arm as keyword arguments of `map_viewpoints`."""
     arm = arm_of(arguments)
     if arm is None:
         return {}
@@ -115,11 +131,14 @@ def reach_of(arguments: Namespace) -> dict[str, Any]:
 
 
 def arm_of(arguments: Namespace) -> "Arm | None":
-    """Return the arm that was named, and refuse options that mean nothing without one."""
+    """Return the arm, or None if no robot is given; reject options that need one."""
     if arguments.robot is None and arguments.urdf is None:
         for option in ("tip", "base"):
             if getattr(arguments, option) is not None:
-                raise ArgumentError(f"--{option} means nothing without --robot or --urdf; leave it out")
+                raise ArgumentError(
+                    f"--{option} {getattr(arguments, option)} needs --robot or --urdf; give one, or leave it "
+                    "out"
+                )
         return None
     from beltsort.viewpoints.arm import Arm
 
@@ -131,9 +150,9 @@ def arm_of(arguments: Namespace) -> "Arm | None":
 
 
 def parse_base(text: str | None) -> tuple[float, float, float, float]:
-    """Read where the robot stands."""
+    """Parse the pose of the robot's base: x, y, z (metres) and yaw (degrees)."""
     if text is None:
-        raise ArgumentError(f"a robot needs --base, where it stands, for example {BASE_EXAMPLE}")
+        raise ArgumentError(f"a robot needs --base, its pose, for example {BASE_EXAMPLE}")
     try:
         x, y, z, yaw = map(float, text.split(","))
     except ValueError:
@@ -142,7 +161,7 @@ def parse_base(text: str | None) -> tuple[float, float, float, float]:
 
 
 def parse_points(text: str) -> list[int]:
-    """Read indices separated by commas."""
+    """Parse indices separated by commas."""
     try:
         return [int(index) for index in text.split(",")]
     except ValueError:
@@ -150,7 +169,7 @@ def parse_points(text: str) -> list[int]:
 
 
 def as_json(views: ViewpointMap, arguments: Namespace, picture: Path) -> dict[str, Any]:
-    """Say what was chosen as plain data."""
+    """Return the chosen viewpoints as plain data."""
     return {
         "command_line": arguments.command_line,
         "file": str(arguments.file),
@@ -167,7 +186,7 @@ def as_json(views: ViewpointMap, arguments: Namespace, picture: Path) -> dict[st
 
 
 def show_text(views: ViewpointMap) -> None:
-    """Say what was chosen in words."""
+    """Print the chosen viewpoints as a table."""
     print(
         f"{len(views.points)} points at {views.sampling.radius:g} m, {views.reachable.sum()} reachable, "
         f"{len(views.edges)} edges"

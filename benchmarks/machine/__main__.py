@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 from beltsort import BeltsortError, SortingModel
 from beltsort.cli.arguments import add_json
-from beltsort.cli.output import print_json, print_table, tell
+from beltsort.cli.output import print_json, print_status, print_table
 from beltsort.models import paper
 from benchmarks.machine.perception import PerceptionBench, run_bench_perception
 from benchmarks.machine.planning import Bench, run_bench
@@ -49,10 +49,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             model = paper() if arguments.model is None else SortingModel.load(arguments.model)
             bench = run_bench(model, arguments.seconds)
     except BeltsortError as error:
-        tell(f"error: {error}")
+        print_status(f"error: {error}")
         return 2
     if bench.build_profile == "debug":
-        tell(DEBUG_BUILD)
+        print_status(DEBUG_BUILD)
     if arguments.json:
         print_json(asdict(bench))
     elif isinstance(bench, Bench):

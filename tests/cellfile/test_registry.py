@@ -72,14 +72,14 @@ def test_roles_with_the_same_options_share_the_simulated_cell(tmp_path: Path) ->
 
 def test_a_third_partys_back_end_is_found_and_harmful(acme: Press, tmp_path: Path) -> None:
     said: list[str] = []
-    rehearsal = composed(tmp_path, ACME, say=said.append)
-    rehearsal.sorter.sort(1, "sort-1")
-    assert rehearsal.rehearsed == ("sorter",)
+    dry = composed(tmp_path, ACME, say=said.append)
+    dry.sorter.sort(1, "sort-1")
+    assert dry.dry_run == ("sorter",)
     assert acme.sorted == []
     assert said == ["dry run: sort(1), sort-1"]
     live = composed(tmp_path, ACME, live=True)
     live.sorter.sort(1, "sort-1")
-    assert live.rehearsed == ()
+    assert live.dry_run == ()
     assert [label for label, _ in acme.sorted] == [1]
 
 
@@ -160,7 +160,7 @@ def test_a_dry_run_of_devices_that_are_not_there(tmp_path: Path) -> None:
     cell.arm.stop()
 
 
-def test_a_rehearsal_says_each_command_once(acme: Press, tmp_path: Path) -> None:
+def test_a_dry_says_each_command_once(acme: Press, tmp_path: Path) -> None:
     said: list[str] = []
     cell = composed(tmp_path, ACME, say=said.append)
     for _ in range(2):

@@ -15,7 +15,7 @@ import pytest
 from beltsort import BeltsortError
 from beltsort.cell import Outcome, SortInto
 from beltsort.cli import code_of, exit_codes, main
-from beltsort.cli.run import Settling
+from beltsort.cli.run import CommandLineOperator
 from beltsort.drivers.fieldbus import FieldbusDevice
 from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.models import paper
@@ -200,15 +200,15 @@ def test_an_answer_is_for_what_was_asked(folder: Path, capsys: pytest.CaptureFix
     broken_off = Progress.at_start(paper())
     broken_off.index, broken_off.pending = 7, Command("5e-sort-3", SortInto(2), "boot")
     ways = (Way("if it is", Answer.DONE), Way("if not", Answer.NOT_DONE))
-    settling = Settling("done", broken_off)
-    assert settling(Hold(broken_off.pending, "?", ways, object=7)) is Answer.DONE
+    operator = CommandLineOperator("done", broken_off)
+    assert operator(Hold(broken_off.pending, "?", ways, object=7)) is Answer.DONE
     with pytest.raises(HeldError):
-        settling(Hold(broken_off.pending, "?", ways, object=7))
+        operator(Hold(broken_off.pending, "?", ways, object=7))
     with pytest.raises(HeldError):
-        Settling("done", broken_off)(Hold(broken_off.pending, "?", ways, object=12))
+        CommandLineOperator("done", broken_off)(Hold(broken_off.pending, "?", ways, object=12))
     broken_off.known_outcome = Outcome.NOT_DONE
     with pytest.raises(BeltsortError, match=r"\bgiven already\b"):
-        Settling("not-done", broken_off)
+        CommandLineOperator("not-done", broken_off)
 
 
 @pytest.mark.slow

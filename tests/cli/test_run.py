@@ -113,7 +113,7 @@ def test_a_failing_command_ends_the_run_and_stops_the_devices(
     said = capsys.readouterr()
     assert re.search(r"held at sort \d\b.*\b3 times\b.*\bfull\b", said.err)
     assert "bin full" in said.out
-    assert "faults on purpose" in said.out
+    assert "remove [faults] from the cell file" in said.out
     (run,) = (folder / "runs").iterdir()
     assert "HeldError" in read_journal(run / "journal.sqlite")[-1].data["reason"]
     calls = [json.loads(line) for line in (run / "calls.jsonl").read_text().splitlines()]

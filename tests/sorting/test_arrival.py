@@ -13,7 +13,7 @@ from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
 from beltsort.cellfile.composed import ComposedCell
-from beltsort.cli.narrate import Narrator
+from beltsort.cli.entry_text import EntryFormatter
 from beltsort.errors import CellError
 from beltsort.sim import CellConfig
 from beltsort.sorting.journal import Entry, Journal, read_journal
@@ -100,8 +100,8 @@ def test_noticed_the_run_is_as_if_nothing_had_happened(tmp_path: Path, faultless
     assert len(elsewhere) == len(WRONG)
     assert all(scan["stands_at"] == (scan["viewpoint"] + 1) % 3 for scan in elsewhere)
     assert all(scan["distance"] > 100.0 for scan in elsewhere)
-    narrator = Narrator()
-    lines = [line for entry in entries if (line := narrator.line(entry)) and "wrong viewpoint" in line]
+    formatter = EntryFormatter()
+    lines = [line for entry in entries if (line := formatter.format(entry)) and "wrong viewpoint" in line]
     assert len(lines) == len(WRONG)
     assert re.search(r"wrong viewpoint\b.*\bp\d\b", lines[0])
 

@@ -13,7 +13,7 @@ import pytest
 from beltsort import Belief, Decide, Move, SortingModel, Threshold
 from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
-from beltsort.cli.narrate import Narrator
+from beltsort.cli.entry_text import EntryFormatter
 from beltsort.errors import CellError
 from beltsort.sorting.audit import befell, steps_of
 from beltsort.sorting.journal import Entry, Journal, read_journal
@@ -60,8 +60,8 @@ def drifts(entries: Sequence[Entry]) -> list[Entry]:
 
 
 def lines(entries: list[Entry]) -> list[str]:
-    narrator = Narrator()
-    return [line for entry in entries if (line := narrator.line(entry))]
+    formatter = EntryFormatter()
+    return [line for entry in entries if (line := formatter.format(entry))]
 
 
 def test_an_alarm_is_journalled_after_its_scan_and_told(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Entries in words."""
 
 from beltsort.cell import MoveTo, SortInto
-from beltsort.cli.narrate import Narrator
+from beltsort.cli.entry_text import EntryFormatter
 from beltsort.models import paper
 from beltsort.perception import Finding
 from beltsort.sorting.command import Command
@@ -10,13 +10,13 @@ from beltsort.sorting.journal import Entry
 
 
 def test_a_scan_tells_labels_and_findings() -> None:
-    model, narrator = paper(), Narrator()
-    narrator.line(Entry(1, "", None, Started(run="a", objects=2, model=model.to_json())))
+    model, formatter = paper(), EntryFormatter()
+    formatter.format(Entry(1, "", None, Started(run="a", objects=2, model=model.to_json())))
 
     def told(labels: list[int | None], findings: list[Finding]) -> str:
         belief = [model.arrival.tolist()] * 2
         scan = Scanned(0, labels, [False, False], [*findings], [], belief, [[-1] * 3] * 2)
-        line = narrator.line(Entry(2, "", 0, scan))
+        line = formatter.format(Entry(2, "", 0, scan))
         assert line is not None
         return line
 

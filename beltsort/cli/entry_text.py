@@ -1,4 +1,4 @@
-"""Journal entries in plain words, one line each."""
+"""Journal entries as text, one line each."""
 
 from typing import Any
 
@@ -25,15 +25,15 @@ from beltsort.sorting.entries import (
 from beltsort.sorting.journal import Entry
 
 
-class Narrator:
-    """Turns the entries of one run into lines of text; entries that say nothing new give none.
+class EntryFormatter:
+    """Formats the entries of one run, in order, as lines of text.
 
     Attributes
     ----------
     classes, viewpoints
-        Names, known once the first entry has come.
+        Names; empty before the first entry.
     belief
-        Belief after the last entry, rows of probabilities, the belt end first.
+        Belief after the last entry: H rows of L probabilities, the belt end first.
     """
 
     def __init__(self) -> None:
@@ -42,8 +42,8 @@ class Narrator:
         self.belief: list[list[float]] = []
         self._arrival: list[float] = []
 
-    def line(self, entry: Entry) -> str | None:
-        """Return what `entry` tells."""
+    def format(self, entry: Entry) -> str | None:
+        """Return the line of an entry, or None for an entry that is not shown."""
         match entry.content:
             case Started() | Snapshot() | Resumed() as first if not self.classes:
                 text = self._start(first)
@@ -73,7 +73,7 @@ class Narrator:
         return text if entry.object is None else f"object {entry.object:>2}  {text}"
 
     def why(self, plan: Planned | Chosen) -> str:
-        """Return the reason of a plan: the values of its best action and of the next best."""
+        """Return the values of the plan's best and second-best action, or the reason given by a rule."""
         if isinstance(plan, Chosen):
             return plan.why or ""
         best, *others = sorted(plan.values, key=lambda action: -action["value"])
@@ -87,7 +87,7 @@ class Narrator:
         )
 
     def name(self, action: dict[str, Any]) -> str:
-        """Return an action as the journal keeps it, `{"move": 2}`, in words."""
+        """Return the text of an action in the journal's format, `{"move": 2}`."""
         if "move" in action:
             return f"look from {self.viewpoints[action['move']]}"
         return f"decide {self.classes[action['decide']]}"
@@ -125,7 +125,7 @@ class Narrator:
         where = ""
         if alarm.viewpoint is not None and alarm.position is not None:
             where = f" at position {alarm.position + 1} from {self.viewpoints[alarm.viewpoint]}"
-        return f"warning: labels{where} no longer come as the tables say; estimate them anew"
+        return f"warning: labels{where} no longer fit the observation tables; estimate the tables again"
 
     def _decision(self, decided: Decided) -> str:
         what = "reject" if decided.label is None else f"decide {self.classes[decided.label]}"
@@ -135,7 +135,7 @@ class Narrator:
 
     def _skip(self) -> str:
         self._shift()
-        return "nothing there, skipped"
+        return "empty cup, skipped"
 
     def _shift(self) -> None:
         self.belief = [*self.belief[1:], self._arrival]
