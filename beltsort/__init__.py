@@ -1,8 +1,8 @@
 """Sorting objects from a conveyor belt by active perception.
 
-A robot looks at the last positions of a belt through an unreliable classifier; beltsort plans where to look
-next and when to decide. Follows Mezei, Tamás & Buşoniu, "Sorting objects from a conveyor belt using active
-perception with a POMDP model", ECC 2019.
+A camera on a robot arm scans the last positions of a belt, an unreliable classifier labels the objects, and
+beltsort plans where to look next and when to decide. Based on Mezei, Tamás & Buşoniu, "Sorting objects from a
+conveyor belt using active perception with a POMDP model", ECC 2019.
 """
 
 from beltsort._core import (

@@ -1,18 +1,18 @@
-"""Every error that beltsort raises on purpose descends from `BeltsortError`."""
+"""Exceptions. All of them are subclasses of `BeltsortError`."""
 
 from beltsort._core import BeltsortError
 
 
 class CloudError(BeltsortError):
-    """A point cloud that cannot be read, or from which no descriptor can be computed."""
+    """A point cloud cannot be read, or no descriptor can be computed from it."""
 
 
 class InUseError(BeltsortError):
-    """Another process works on the same run, or drives the same device."""
+    """Another process uses the same run or the same device."""
 
 
 class CellError(BeltsortError):
-    """A robot cell was asked for something it cannot do."""
+    """A cell, a device or a cell file cannot do what was requested."""
 
 
 class DatabaseError(BeltsortError):
@@ -20,11 +20,11 @@ class DatabaseError(BeltsortError):
 
 
 class JournalError(BeltsortError):
-    """The record of a run cannot be written or read."""
+    """The journal of a run cannot be written or read."""
 
 
 class JournalNotWrittenError(JournalError):
-    """An entry could not be written: the disk is full, or gone."""
+    """A journal entry could not be written, because the disk is full, for example."""
 
 
 class ViewpointError(BeltsortError):
@@ -32,7 +32,7 @@ class ViewpointError(BeltsortError):
 
 
 class RecordingError(BeltsortError):
-    """Recorded scans, or the labels of them, cannot be read or written."""
+    """Recorded scans or their labels cannot be read or written."""
 
 
 class SweepError(BeltsortError):

@@ -1,8 +1,8 @@
 """Frames and the layout of the belt.
 
-World frame: origin on the belt surface under the belt end (position 0), x along the belt *upstream*, z up,
-metres. Camera frame: the optical one, x right, y down, z forward. A pose `world_from_camera` maps camera
-coordinates to world coordinates.
+World frame (also called belt frame): origin on the belt surface under the belt end (position 0), x along the
+belt *upstream*, z up, metres. Camera frame: the optical frame, x right, y down, z forward. A pose
+`world_from_camera` maps camera coordinates to world coordinates.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Pose = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BeltLayout:
-    """Where the objects stand: `positions` places, `spacing` metres apart, the belt end first.
+    """Layout of the belt: `positions` cups, `spacing` metres apart, the belt end first.
 
     Attributes
     ----------
@@ -28,9 +28,9 @@ class BeltLayout:
     spacing
         Distance between neighbouring positions, metres.
     rim_height, rim_radius
-        Height of a cup's rim above the belt and its radius, metres. What shows above the rim is the object.
+        Height of a cup's rim above the belt and its radius, metres. Points above the rim are the object's.
     crop_height, crop_radius
-        Upper end and radius of the upright cylinder about a position in which its object is sought, metres.
+        Upper end and radius of the upright cylinder around a position to which its object is cropped, metres.
     """
 
     positions: int = 2
@@ -46,7 +46,7 @@ class BeltLayout:
 
 
 def on_sphere(azimuth: float, elevation: float, radius: float, centre: Points) -> Points:
-    """Return the point at `azimuth`, `elevation` (degrees), `radius` (metres) about `centre`, shape (3,)."""
+    """Return the point at `azimuth`, `elevation` (degrees), `radius` (metres) from `centre`, shape (3,)."""
     a, e = np.radians(azimuth), np.radians(elevation)
     return centre + radius * np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
 
@@ -58,9 +58,9 @@ def direction_of(points: Points) -> tuple[NDArray[np.float64], NDArray[np.float6
 
 
 def look_at(eye: Points, target: Points) -> Pose:
-    """Return `world_from_camera` of a camera at `eye` with `target` in its centre, world z up in the image.
+    """Return `world_from_camera` of a camera at `eye` that looks at `target`, with world z up in the image.
 
-    Straight up and straight down, where that "up" is undefined, the image's up is the world's x.
+    If the camera looks along world z, where this is undefined, world x is up in the image.
     """
     forward = (target - eye) / np.linalg.norm(target - eye)
     up = np.array([1.0, 0.0, 0.0]) if abs(forward[2]) > 1.0 - 1e-9 else np.array([0.0, 0.0, 1.0])
@@ -74,13 +74,13 @@ def look_at(eye: Points, target: Points) -> Pose:
 
 @dataclass(frozen=True)
 class SphereViewpoint:
-    """A viewpoint of the half-sphere about the belt end.
+    """A viewpoint on the half-sphere around the belt end.
 
     Attributes
     ----------
     azimuth, elevation
-        Degrees; azimuth 0 looks from upstream, 180 from beyond the belt end, elevation 90 from straight
-        above.
+        Direction from the belt end to the camera, degrees: azimuth 0 is upstream, 180 beyond the belt end,
+        elevation 90 straight above.
     radius
         Distance of the camera from the belt end, metres.
     """
@@ -91,7 +91,7 @@ class SphereViewpoint:
     radius: float = 0.7
 
     def pose(self) -> Pose:
-        """Return `world_from_camera` of a camera that stands there and sees the belt end in its centre."""
+        """Return `world_from_camera` of a camera at this viewpoint that looks at the belt end."""
         belt_end = np.zeros(3)
         return look_at(on_sphere(self.azimuth, self.elevation, self.radius, belt_end), belt_end)
 

@@ -1,1 +1,1 @@
-"""The cell file (TOML): what it says, whether that fits together, and the cell and the run it describes."""
+"""The cell file (TOML): its description and validation, composition of the cell, runs and checks."""

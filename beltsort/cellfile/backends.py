@@ -1,4 +1,4 @@
-"""beltsort's own back-ends of real cells, as a cell file names them."""
+"""The built-in back-ends for real cells."""
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
@@ -12,20 +12,20 @@ if TYPE_CHECKING:
     from beltsort.cellfile.description import CellDescription
 
 FILES = ("certificate", "private_key", "trust", "path")
-"""Options that name files; a relative path counts from the cell file."""
+"""Options that are paths; relative paths are relative to the cell file."""
 
 Options = TypeVar("Options", bound=Any)
 
 
 def resolved(options: Options, cell: "CellDescription") -> Options:
-    """Return options of a back-end with the paths of their files."""
+    """Return the options with paths resolved relative to the cell file."""
     named = [field.name for field in fields(options) if field.name in FILES and getattr(options, field.name)]
     changed: Options = replace(options, **{name: str(cell.path(getattr(options, name))) for name in named})
     return changed
 
 
 def with_viewpoints(given: Mapping[str, object], cell: "CellDescription") -> Mapping[str, object]:
-    """Return what the file gives, with the cell's viewpoints."""
+    """Return the options in the cell file, with the cell's viewpoints as the default of `viewpoints`."""
     return {"viewpoints": list(cell.viewpoint_names), **given}
 
 

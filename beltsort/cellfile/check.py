@@ -1,4 +1,4 @@
-"""The check of a cell: every viewpoint visited, every device asked, and what exceeds the limits."""
+"""The check of a cell: health of the devices, and a scan from every viewpoint."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from beltsort.cell.arrival import Deviation, deviation_from, viewpoint_poses
 from beltsort.cell.commands import CommandError
 from beltsort.cell.frames import from_matrix
-from beltsort.cell.protocols import Cell, Health, Scan
+from beltsort.cell.protocols import Cell, Health
 from beltsort.cell.stopping import stopping
 from beltsort.cellfile.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops
 from beltsort.cellfile.registry import ROLES
@@ -17,18 +17,18 @@ from beltsort.errors import CellError
 
 @dataclass(frozen=True)
 class View:
-    """What was seen from one viewpoint.
+    """Measurements in the scan from one viewpoint.
 
     Attributes
     ----------
     viewpoint
-        Its name.
+        Name of the viewpoint.
     pose
-        How far the camera stood from the viewpoint's pose; None where one of them is not known.
+        Deviation of the camera's pose from the viewpoint's; None if one of them is not known.
     belt
-        Where the belt was seen.
+        The measured belt plane.
     crops
-        What was seen of each position, the belt end first.
+        Coverage of each position, the belt end first.
     """
 
     viewpoint: str
@@ -39,16 +39,16 @@ class View:
 
 @dataclass
 class CellCheck:
-    """What a check found.
+    """Results of a check.
 
     Attributes
     ----------
     health
-        What each device says of itself, by role; a device that could not be reached is missing.
+        Health of each device by role, except those that could not be reached.
     views
-        What was seen from each viewpoint that was reached.
+        Measurements from each viewpoint that was reached.
     exceeded
-        What is beyond the limits, or failed, in words.
+        Messages about failures and exceeded limits.
     """
 
     health: dict[str, Health] = field(default_factory=dict)
@@ -57,10 +57,10 @@ class CellCheck:
 
 
 def check_cell(cell: Cell, limits: CheckLimits) -> CellCheck:
-    """Ask every device for its health, then scan from every viewpoint.
+    """Query the health of every device, then scan from every viewpoint.
 
-    The first command that fails ends the visits and stops all devices: nothing moves on from a place that is
-    not known.
+    The first command that fails ends the check and stops all devices, since the arm must not move from an
+    unknown position.
     """
     found = CellCheck()
     ask_health(cell, found)
@@ -77,7 +77,7 @@ def check_cell(cell: Cell, limits: CheckLimits) -> CellCheck:
 
 
 def ask_health(cell: Cell, found: CellCheck) -> None:
-    """Note each device's health, and as exceeded whatever is not ready."""
+    """Store each device's health in `found`, and a message for each device that is not ready."""
     for role in ROLES:
         try:
             health = found.health[role] = getattr(cell, role).health()
@@ -90,46 +90,46 @@ def ask_health(cell: Cell, found: CellCheck) -> None:
 
 
 def _visits(cell: Cell) -> Iterator[View]:
-    now = datetime.now(UTC).isoformat()  # ids are unique for a device, so for all checks
+    """Move to every viewpoint, take a scan at each, and yield its measurements."""
+    now = datetime.now(UTC).isoformat()  # command ids must be unique across all checks
     poses = viewpoint_poses(cell)
     for viewpoint, name in enumerate(cell.viewpoints):
         stop = cell.arm.move_to(viewpoint, f"check-{now}-{viewpoint}")
         scan = cell.camera.scan(not_before=stop)
-        _check_pose(scan)
-        off = deviation_from(poses[viewpoint], scan)
-        yield View(name, off, seen_belt(scan), seen_crops(scan, cell.layout))
-
-
-def _check_pose(scan: Scan) -> None:
-    try:
-        from_matrix(scan.world_from_camera.tolist())
-    except ValueError as reason:
-        raise CellError(f"the camera's pose: {reason}") from reason
+        try:
+            from_matrix(scan.world_from_camera.tolist())
+        except ValueError as reason:
+            raise CellError(
+                f"{name}: the scan's pose is not a rigid transform: {reason}; check what reports it, and the "
+                "cell file's transforms"
+            ) from reason
+        deviation = deviation_from(poses[viewpoint], scan)
+        yield View(name, deviation, seen_belt(scan), seen_crops(scan, cell.layout))
 
 
 def _beyond(view: View, limits: CheckLimits) -> Iterator[str]:
-    """Yield what a view has beyond the limits; each names the key of the limit."""
-    belt, off = view.belt, view.pose
-    if off is not None and off.exceeds(limits.pose_angle, limits.pose_distance):
+    """Yield a message for each limit that a view exceeds, with the limit's key."""
+    belt, deviation = view.belt, view.pose
+    if deviation is not None and deviation.exceeds(limits.pose_angle, limits.pose_distance):
         yield (
-            f"{view.viewpoint}: the camera stands {off.angle:.2f} degrees and {off.distance:.1f} mm off, "
-            f"expected at most {limits.pose_angle:g} (check.pose_angle) and {limits.pose_distance:g} "
-            "(check.pose_distance): correct the hand-eye transform, the belt's frame or the viewpoint's pose"
+            f"{view.viewpoint}: the camera is {deviation.angle:.2f} degrees and {deviation.distance:.1f} mm "
+            f"off, expected at most {limits.pose_angle:g} (check.pose_angle) and {limits.pose_distance:g} "
+            "(check.pose_distance): correct the hand-eye transform, the belt frame or the viewpoint's pose"
         )
     if belt.points < limits.belt_points:
         yield (
-            f"{view.viewpoint}: {belt.points} points lie on the belt, expected at least {limits.belt_points} "
-            "(check.belt_points): correct the camera's pose, or the belt is hidden"
+            f"{view.viewpoint}: {belt.points} points are on the belt, expected at least {limits.belt_points} "
+            "(check.belt_points): correct the camera's pose, or uncover the belt"
         )
     elif belt.angle > limits.belt_angle:
         yield (
             f"{view.viewpoint}: the belt is tilted by {belt.angle:.2f} degrees, expected at most "
-            f"{limits.belt_angle:g} (check.belt_angle): correct the hand-eye transform or the belt's frame"
+            f"{limits.belt_angle:g} (check.belt_angle): correct the hand-eye transform or the belt frame"
         )
     elif abs(belt.height) > limits.belt_height:
         yield (
-            f"{view.viewpoint}: the belt lies at {belt.height:+.1f} mm, expected at most "
-            f"{limits.belt_height:g} (check.belt_height): correct the hand-eye transform or the belt's frame"
+            f"{view.viewpoint}: the belt is at a height of {belt.height:+.1f} mm, expected 0 within "
+            f"{limits.belt_height:g} (check.belt_height): correct the hand-eye transform or the belt frame"
         )
     for position, crop in enumerate(view.crops):
         where = f"{view.viewpoint}, position {position + 1}"
@@ -141,5 +141,5 @@ def _beyond(view: View, limits: CheckLimits) -> Iterator[str]:
         if crop.points < limits.crop_points:
             yield (
                 f"{where}: {crop.points} points are in the crop, expected at least {limits.crop_points} "
-                "(check.crop_points): something hides it, or spacing is wrong"
+                "(check.crop_points): remove what hides the position, or correct belt.spacing"
             )

@@ -1,4 +1,4 @@
-"""A cell put together from the devices that its file names."""
+"""Composition of a cell from the devices of its file."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -35,14 +35,14 @@ class ComposedCell:
     arm, camera, belt, sorter
         The devices.
     classes, viewpoints, layout, reject_bin
-        As in `Cell`; the label of the reject bin is the one behind the classes'.
+        As in `Cell`; the label of the reject bin is the number of classes.
     dry_run
         Names of the devices whose commands are only printed.
     poses
-        The camera's pose at each viewpoint in the belt's frame, shape (4, 4); None where only joint angles
-        were taught, or the arm does not move at all.
+        The camera's pose at each viewpoint in the belt frame, shape (4, 4); None if only joint angles were
+        taught, or if the arm does not move.
     bin_numbers
-        The sorter's own number of each label's bin.
+        The sorter's bin number of each label.
     """
 
     arm: Arm
@@ -66,30 +66,30 @@ def compose(
     record: Callable[[Recorded], None] | None = None,
     made: Callable[[Any], None] = lambda _device: None,
 ) -> ComposedCell:
-    """Make the devices that a cell file names.
+    """Create the devices that a cell file names, with their wrappers.
 
-    Around each device, from the outside: what makes no sense is refused (`Limits`), scans get the camera's
-    pose in the belt's frame (`CameraPoses`), calls are recorded, and commands only said unless `live`; then
-    faults on purpose, deadlines, and the sorter's numbers of its bins.
+    The wrappers of each device, from the outermost: validation of arguments (`Limits`), the camera's pose in
+    the belt frame (`CameraPoses`), a log of calls (`Recorder`), dry run unless `live` (`DryRun`), injected
+    faults (`Faults`), timeouts (`Deadlines`), and the sorter's bin numbers (`Bins`).
 
     Parameters
     ----------
     description
         The cell file.
     live
-        Whether things may move. If not, every arm, belt and sorter whose back-end can move something real is
-        put into a dry run.
+        Whether commands are sent to devices that can move hardware. If not, every such arm, belt and sorter
+        is in a dry run.
     say
-        Called with what a dry run would have done.
+        Called with a line for each command in a dry run.
     record
-        Called with every call of a device that has ended.
+        Called with every completed call of a device.
     made
-        Called with every device as its back-end made it.
+        Called with every device that a back-end has created, without wrappers.
 
     Raises
     ------
     CellFileError
-        With everything that is wrong with back-ends and their options.
+        With all problems of the back-ends and their options.
     """
     kinds = _all_of(lambda role: backend(role, description.device(role).backend))
     maker = _Maker(description, made)
@@ -121,10 +121,10 @@ def compose(
 
 @dataclass
 class _Maker:
-    """Makes the devices of one cell; those that may be shared only once."""
+    """Creates the devices of a cell, each shared one only once."""
 
     description: CellDescription
-    tell: Callable[[Any], None]
+    on_made: Callable[[Any], None]
     made: list[tuple[Backend, Mapping[str, object], Any]] = field(default_factory=list)
 
     def device(self, role: str, kind: Backend) -> Any:
@@ -135,20 +135,20 @@ class _Maker:
         try:
             device = kind.make(options, self.description)
         except CellFileError as error:
-            raise error.below(lambda key: self._place(role, key)) from None
+            raise error.below(lambda key: self._table_of(role, key)) from None
         self.made.append((kind, options, device))
-        self.tell(device)
+        self.on_made(device)
         return device
 
-    def _place(self, role: str, key: str) -> str:
-        """Return the table in which an option stands, or would stand if it were given."""
+    def _table_of(self, role: str, key: str) -> str:
+        """Return the table of the cell file that contains an option, or to which a missing one belongs."""
         name = self.description.device(role).backend
         shared = self.description.backends.get(name, {})
         return f"backends.{name}" if not key or re.split(r"[.[]", key)[0] in shared else f"{role}.options"
 
 
 def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
-    """Return what is made for each role, or raise one error with all that is wrong, each thing once."""
+    """Return the result of `make` for each role, or raise one error with the problems of all roles."""
     made, errors = {}, []
     for role in ROLES:
         try:

@@ -1,4 +1,4 @@
-"""The cell file: what a robot cell consists of, as TOML (docs/cell.md)."""
+"""The cell file: the description of a robot cell in TOML (docs/cell.md)."""
 
 import tomllib
 from collections.abc import Iterator
@@ -37,10 +37,10 @@ VERSION = 1
 
 
 class CellDescription(Section):
-    """A robot cell, as its file describes it.
+    """A robot cell as described by its file.
 
-    The world of a cell is its belt's frame (`beltsort.geometry`); drivers tell and are told poses in the
-    robot's world, and `placement` leads from one to the other.
+    Poses of viewpoints are in the belt frame (`beltsort.geometry`), poses of devices in the robot's world
+    frame; `placement` is the transform between them.
 
     Examples
     --------
@@ -60,27 +60,27 @@ class CellDescription(Section):
     reject_bin: NonNegativeInt | None = None
     """The sorter's number of the bin for undecided objects; none if missing."""
     objects: PositiveInt = 10
-    """How many belt places a run works through."""
+    """Number of objects in a run, empty cups included."""
     belt_ends: bool = False
-    """Whether nothing follows them: planners then take their time with the last ones."""
+    """Whether no objects follow; the planner then spends more looks on the last ones."""
     model: str | None = None
     """Model file (JSON), tables included."""
     classifier: str | None = None
     """File of the trained classifier (.npz)."""
     prepare: Prepare | None = None
-    """In place of model and classifier, for a simulated cell: how much it is trained and counted on."""
+    """Instead of model and classifier, for a simulated cell: numbers of objects for training and tables."""
     viewpoints: Annotated[tuple[Viewpoint, ...], Field(min_length=1)]
-    """Where the camera can stand, in the order of the model's viewpoints; the first is where a run starts."""
+    """The camera's viewpoints, in the order of the model's; a run starts at the first."""
     arm: ArmSection
-    """Carries the camera."""
+    """The arm that carries the camera."""
     camera: CameraSection
-    """Takes scans."""
+    """The depth camera."""
     belt: BeltSection
-    """Carries the objects."""
+    """The belt."""
     sorter: DeviceSection
-    """Puts objects into bins."""
+    """The sorter, which puts objects into bins."""
     backends: dict[str, Options] = Field(default_factory=dict)
-    """Options of a back-end for every device that it drives, by the back-end's name."""
+    """Options by back-end, for all devices that it drives."""
     perception: Annotated[PerceptionConfig, OWN_CHECKS] | None = None
     """Settings of perception; the classifier's own if missing."""
     planner: Planner = Planner()
@@ -88,13 +88,13 @@ class CellDescription(Section):
     rules: Rules = Rules()
     """Limits of the loop."""
     drift: Annotated[Drift, OWN_CHECKS] | None = None
-    """The watch over the observation tables; none if missing."""
+    """Drift detection; off if missing."""
     timeouts: Timeouts = Timeouts()
-    """How long each kind of command may take."""
+    """Timeout of each kind of command."""
     check: CheckLimits = CheckLimits()
-    """What `beltsort check` tolerates."""
+    """Limits of `beltsort check`."""
     faults: FaultSection | None = None
-    """Faults that are injected on purpose."""
+    """Faults to inject."""
     _folder: Path = PrivateAttr(default=Path())
 
     @classmethod
@@ -104,7 +104,7 @@ class CellDescription(Section):
         Raises
         ------
         CellFileError
-            If it cannot be read, or with everything that is wrong in it.
+            If it cannot be read or is invalid, with all its problems.
         """
         description = validated(cls, _read(Path(path)))
         if problems := list(contradictions(description)):
@@ -114,7 +114,7 @@ class CellDescription(Section):
 
     @property
     def bin_numbers(self) -> tuple[int, ...]:
-        """The sorter's bin of each label, the reject bin's, if there is one, behind the classes'."""
+        """The sorter's bin number of each class, followed by that of the reject bin if there is one."""
         numbers = [self.bins.get(name, label) for label, name in enumerate(self.classes)]
         return tuple(numbers if self.reject_bin is None else [*numbers, self.reject_bin])
 
@@ -133,7 +133,7 @@ class CellDescription(Section):
 
     @property
     def placement(self) -> Placement:
-        """Where the belt lies in the robot's world, and the camera on its flange."""
+        """The belt's pose in the robot's world frame, and the camera's on the flange."""
         belt, hand_eye = self.belt.world_from_belt, self.camera.flange_from_camera
         return Placement(None if belt is None else belt.pose(), None if hand_eye is None else hand_eye.pose())
 
@@ -143,12 +143,12 @@ class CellDescription(Section):
         return section
 
     def options_of(self, role: str) -> Options:
-        """Return the options of a device's back-end: those for all its devices, and the device's own."""
+        """Return the options of a device: those of its back-end, overridden by the device's own."""
         section = self.device(role)
         return self.backends.get(section.backend, {}) | section.options
 
     def path(self, name: str) -> Path:
-        """Return a path that the file names; a relative one counts from the file's folder."""
+        """Return a path in the file, resolved relative to the file's folder."""
         return self._folder / name
 
 
@@ -168,7 +168,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _viewpoints_in(path: Path) -> list[dict[str, Any]]:
-    """Return the viewpoints of a file that `beltsort viewpoints` wrote, as a cell file gives them."""
+    """Return the viewpoints of a file that `beltsort viewpoints` wrote, in the cell file's format."""
     from beltsort.viewpoints import ViewpointMap
 
     try:
@@ -178,18 +178,17 @@ def _viewpoints_in(path: Path) -> list[dict[str, Any]]:
 
 
 def contradictions(cell: CellDescription) -> Iterator[Problem]:
-    """Yield what does not fit together in a file whose keys are all right by themselves."""
-    yield from _names(cell)
-    yield from _bins(cell)
-    yield from _knowledge(cell)
-    yield from _joints(cell)
-    yield from _backends(cell)
-
-
-def _names(cell: CellDescription) -> Iterator[Problem]:
+    """Yield the inconsistencies between keys of a file whose keys are valid individually."""
     for key, names in (("classes", cell.classes), ("viewpoints", cell.viewpoint_names)):
         if len(set(names)) < len(names):
             yield Problem(key, f"are named {list(names)}, expected no name twice: rename them")
+    yield from _bins(cell)
+    yield from _model_files(cell)
+    yield from _joints(cell)
+    known = list(dict.fromkeys(d.backend for d in (cell.arm, cell.camera, cell.belt, cell.sorter)))
+    for name in cell.backends:
+        if name not in known:
+            yield Problem(f"backends.{name}", f"has options, but drives no device; {nearest_of(name, known)}")
 
 
 def _bins(cell: CellDescription) -> Iterator[Problem]:
@@ -202,9 +201,9 @@ def _bins(cell: CellDescription) -> Iterator[Problem]:
         )
 
 
-def _knowledge(cell: CellDescription) -> Iterator[Problem]:
-    named = {key: getattr(cell, key) for key in ("model", "classifier")}
-    for key, file in named.items():
+def _model_files(cell: CellDescription) -> Iterator[Problem]:
+    for key in ("model", "classifier"):
+        file = getattr(cell, key)
         if cell.prepare is None and file is None:
             yield Problem(key, "is missing; name the file, or add [prepare] if the cell is simulated")
         if cell.prepare is not None and file is not None:
@@ -224,10 +223,3 @@ def _joints(cell: CellDescription) -> Iterator[Problem]:
             if not least <= angle <= most:
                 what = f"is {angle:g}, expected {least:g} to {most:g} (arm.joint_limits): teach it again"
                 yield Problem(f"{where}[{axis}]", what)
-
-
-def _backends(cell: CellDescription) -> Iterator[Problem]:
-    known = list(dict.fromkeys(d.backend for d in (cell.arm, cell.camera, cell.belt, cell.sorter)))
-    for name in cell.backends:
-        if name not in known:
-            yield Problem(f"backends.{name}", f"has options, but drives no device; {nearest_of(name, known)}")

@@ -1,6 +1,6 @@
-"""Devices that are not there: a cell file can be tried without any hardware.
+"""The back-end `dry-run`: placeholders with which a cell file can be tried without hardware.
 
-Arm, belt and sorter note their commands; the camera shows a level belt with nothing on it.
+Arm, belt and sorter log their commands; the camera returns scans of a level, empty belt.
 """
 
 import logging
@@ -27,14 +27,14 @@ OVERHEAD = look_at(np.array([0.0, 0.0, 0.7]), np.zeros(3))
 
 @dataclass(frozen=True)
 class NoOptions:
-    """A dry run has no options."""
+    """The back-end `dry-run` has no options."""
 
 
 class Absent:
-    """A device that is always well."""
+    """A device that is always ready and does nothing."""
 
     def health(self) -> Health:
-        """Say that all is well."""
+        """Return that the device is ready."""
         return Health(ready=True, boot_id="dry-run")
 
     def stop(self) -> None:
@@ -42,14 +42,14 @@ class Absent:
 
 
 class EmptyBeltCamera(Absent):
-    """Sees a level belt with nothing on it.
+    """A camera that returns scans of a level, empty belt.
 
     Parameters
     ----------
     belt_from_camera
-        Where it stands, whatever the arm does, shape (4, 4).
+        The camera's fixed pose in the belt frame, shape (4, 4).
     placement
-        Of the belt.
+        Transform from the belt frame to the robot's world frame.
     """
 
     def __init__(self, belt_from_camera: Pose, placement: Placement | None = None) -> None:

@@ -1,4 +1,4 @@
-"""What a scan shows of the belt and of the places on it, in numbers."""
+"""Measurements of the belt plane and the positions in a scan."""
 
 from dataclasses import dataclass
 
@@ -8,22 +8,22 @@ from beltsort.cell.protocols import Scan
 from beltsort.geometry import BeltLayout, Points, Pose, transform
 from beltsort.perception.level import BANDS, levelled
 
-BELOW = 0.01  # metres; so much below the belt still counts as seen in a crop: noise
-RING = 24  # points about each end of a crop cylinder
+BELOW = 0.01  # metres; points in a crop may be this far below the belt, because of noise
+RING = 24  # sample points on the circle at each end of a crop cylinder
 
 
 @dataclass(frozen=True)
 class SeenBelt:
-    """Where the belt is seen, against the plane z = 0 where it should be.
+    """The belt plane fitted to a scan, relative to the expected plane z = 0.
 
     Attributes
     ----------
     angle
-        Between the two planes, degrees.
+        Angle between the two planes, degrees.
     height
-        Of the seen belt at the belt end, millimetres.
+        Height of the fitted plane at the belt end, millimetres.
     points
-        Points of the scan that lie on it; few or none mean that angle and height say nothing.
+        Number of points on the fitted plane; if there are few, angle and height are meaningless.
     """
 
     angle: float
@@ -33,15 +33,15 @@ class SeenBelt:
 
 @dataclass(frozen=True)
 class SeenCrop:
-    """What is seen of the upright cylinder in which the object of one position is sought.
+    """Coverage of the crop cylinder of one position by a scan.
 
     Attributes
     ----------
     inside
-        Share of the cylinder's surface above the rim that lies inside the image; None if the scan is no
-        organised image.
+        Share of the cylinder's upper and lower edge, above the rim, that lies inside the image; None if the
+        scan is not organised.
     points
-        Points of the scan in the cylinder, cup and belt included.
+        Number of points in the cylinder, including those of cup and belt.
     """
 
     inside: float | None
@@ -49,10 +49,10 @@ class SeenCrop:
 
 
 def seen_belt(scan: Scan) -> SeenBelt:
-    """Return where a scan shows the belt."""
+    """Fit the belt plane to a scan."""
     points = finite_points(scan)
     pose = levelled(points, scan.world_from_camera)
-    correction = pose @ np.linalg.inv(scan.world_from_camera)  # lays the seen belt into z = 0
+    correction = pose @ np.linalg.inv(scan.world_from_camera)  # maps the fitted plane to z = 0
     upright = float(np.clip(correction[2, 2], -1.0, 1.0))
     on_belt = np.abs(transform(pose, points)[:, 2]) < BANDS[-1]
     return SeenBelt(
@@ -63,31 +63,28 @@ def seen_belt(scan: Scan) -> SeenBelt:
 
 
 def seen_crops(scan: Scan, layout: BeltLayout) -> tuple[SeenCrop, ...]:
-    """Return what a scan shows of each position's crop cylinder, the belt end first."""
+    """Return the coverage of each position's crop cylinder, the belt end first."""
     points = finite_points(scan)
     pose = levelled(points, scan.world_from_camera)
     world = transform(pose, points)
-    return tuple(
-        SeenCrop(_inside(scan.points, pose, layout, position), _points_in(world, layout, position))
-        for position in range(layout.positions)
-    )
+    crops = []
+    for position in range(layout.positions):
+        offset = world - layout.centre(position)
+        near = np.hypot(offset[:, 0], offset[:, 1]) < layout.crop_radius
+        within = near & (offset[:, 2] > -BELOW) & (offset[:, 2] < layout.crop_height)
+        crops.append(SeenCrop(_inside(scan.points, pose, layout, position), int(within.sum())))
+    return tuple(crops)
 
 
 def finite_points(scan: Scan) -> Points:
-    """Return the points of a scan that are numbers, camera frame, shape (n, 3)."""
+    """Return the finite points of a scan, camera frame, shape (n, 3)."""
     points = scan.points.reshape(-1, 3)
     finite: Points = points[np.isfinite(points).all(axis=1)]
     return finite
 
 
-def _points_in(world: Points, layout: BeltLayout, position: int) -> int:
-    offset = world - layout.centre(position)
-    near = np.hypot(offset[:, 0], offset[:, 1]) < layout.crop_radius
-    return int((near & (offset[:, 2] > -BELOW) & (offset[:, 2] < layout.crop_height)).sum())
-
-
 def _inside(image: Points, pose: Pose, layout: BeltLayout, position: int) -> float | None:
-    """Return the share of the crop's rings that an organised image could show."""
+    """Return the share of the crop's edges inside an organised image; None if it is not organised."""
     if image.ndim != 3 or not np.isfinite(image).all(axis=-1).any():
         return None
     rings = (_rings(layout, position) - pose[:3, 3]) @ pose[:3, :3]  # camera frame
@@ -99,7 +96,7 @@ def _inside(image: Points, pose: Pose, layout: BeltLayout, position: int) -> flo
 
 
 def _rings(layout: BeltLayout, position: int) -> Points:
-    """Return points about the lower and the upper end of a crop cylinder, shape (2 RING, 3), world frame."""
+    """Return points on the edges of a crop cylinder, lower one first, world frame, shape (2 RING, 3)."""
     angle = np.linspace(0.0, 2.0 * np.pi, RING, endpoint=False)
     circle: Points = layout.crop_radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(RING)])
     ends = [[0.0, 0.0, layout.rim_height], [0.0, 0.0, layout.crop_height]]
@@ -110,7 +107,7 @@ def _rings(layout: BeltLayout, position: int) -> Points:
 def _projection(image: Points, axis: int) -> Points:
     """Return (focal length, principal point), pixels, of a pinhole image along x (0) or y (1).
 
-    Fitted to its points, since a scan does not tell the camera's intrinsics.
+    They are fitted to the points, since a scan does not contain the camera's intrinsics.
     """
     seen = np.isfinite(image).all(axis=-1)
     pixels = np.argwhere(seen)[:, 1 - axis]

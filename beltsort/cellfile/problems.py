@@ -1,4 +1,4 @@
-"""What is wrong with a cell file."""
+"""Problems of a cell file, and the error that reports them."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -7,12 +7,12 @@ from beltsort.util.problems import Problem, listed
 
 
 class CellFileError(CellError):
-    """A cell file that cannot be used, with all that is wrong with it.
+    """A cell file is invalid. The message has a line for each problem.
 
     Parameters
     ----------
     problems
-        At least one.
+        The problems, at least one.
     """
 
     def __init__(self, problems: Sequence[Problem]) -> None:
@@ -21,17 +21,17 @@ class CellFileError(CellError):
 
     @classmethod
     def of(cls, where: str, what: str) -> "CellFileError":
-        """Return the error of one problem."""
+        """Return an error with one problem."""
         return cls([Problem(where, what)])
 
     def below(self, place: Callable[[str], str]) -> "CellFileError":
-        """Return the error with every `where` put below the table that `place` names for it."""
+        """Return the error with each `where` prefixed by the table that `place` returns for it."""
         return CellFileError(
             [Problem(f"{place(where)}.{where}".rstrip("."), what) for where, what in self.problems]
         )
 
 
 def raise_all(errors: Iterable[CellFileError]) -> None:
-    """Raise one error with the problems of all, each once, if there are any."""
+    """Raise one error with the distinct problems of all errors, if there are any."""
     if problems := {problem: None for error in errors for problem in error.problems}:
         raise CellFileError(list(problems))

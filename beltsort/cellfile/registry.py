@@ -1,12 +1,12 @@
 """Back-ends by name.
 
-beltsort's own stand in a table here: a source checkout has no metadata of its own, or that of an older
-install. Those of third parties are found by entry points, one group for each kind of device::
+The built-in back-ends are in the table `BUILT_IN`, since a source checkout has no metadata, or those of an
+older installation. Third-party back-ends are found by entry points, one group for each kind of device::
 
     [project.entry-points."beltsort.arm"]
     acme = "acme_beltsort:ARM"
 
-whose object is a `Backend`, best made by `backend_of`. beltsort's own names come first.
+An entry point refers to a `Backend`, which `backend_of` creates. Built-in names take precedence.
 """
 
 from collections.abc import Callable, Mapping
@@ -34,24 +34,24 @@ BUILT_IN: dict[str, dict[str, str]] = {
     "replay": dict.fromkeys(("arm", "camera", "belt"), "beltsort.cellfile.backends:REPLAY"),
     "dry-run": {role: f"beltsort.cellfile.dry_run:{role.upper()}" for role in ROLES},
 }
-"""Where the back-end of each device is, by the back-end's name."""
+"""The object of each built-in back-end, by its name and the role of the device."""
 
 
 @dataclass(frozen=True)
 class Backend:
-    """How devices of one kind are made, and what a cell must know of them.
+    """A factory of devices of one kind.
 
     Attributes
     ----------
     make
-        From the back-end's options, as the file gives them, and the cell to a device: an `Arm`, a
-        `DepthCamera`, a `Belt`, a `Sorter`, or several of them at once.
+        Function of the options in the cell file and the cell that returns a device: an `Arm`, a
+        `DepthCamera`, a `Belt`, a `Sorter`, or an object that is several of them.
     shared
-        Whether one device serves all that name this back-end with the same options.
+        Whether one device serves all roles that name this back-end with the same options.
     harmless
-        Whether it moves nothing real, and so needs no `--live`.
+        Whether the device moves no hardware, and so needs no `--live`.
     absent
-        Whether nothing is there that could move: a camera stays where it is, whatever the arm is told.
+        Whether the device is a placeholder: with an absent arm, the camera does not move.
     """
 
     make: Callable[[Mapping[str, object], "CellDescription"], Any]
@@ -73,9 +73,9 @@ def backend_of(
     Parameters
     ----------
     options
-        The dataclass; what the file gives is checked against its fields and their types.
+        The dataclass; options in the cell file are validated against its fields and their types.
     make
-        From such options and the cell to a device.
+        Function of the options and the cell that returns a device.
     shared, harmless, absent
         As in `Backend`.
     """
@@ -90,18 +90,20 @@ def backend(role: str, name: str) -> Backend:
     role
         `arm`, `camera`, `belt` or `sorter`.
     name
-        As in the cell file.
+        Name in the cell file.
 
     Raises
     ------
     CellFileError
-        If there is none of this name, or it cannot be loaded.
+        If the name is unknown or the back-end cannot be loaded.
     """
-    known = _entry_points(role)
+    group = GROUP + role
+    known = {name: EntryPoint(name, paths[role], group) for name, paths in BUILT_IN.items() if role in paths}
+    known |= {entry.name: entry for entry in entry_points(group=group) if entry.name not in known}
     where = f"{role}.backend"
     if name not in known:
         raise CellFileError.of(
-            where, f"is {name!r}, which is no back-end of this device; {nearest_of(name, list(known))}"
+            where, f"is {name!r}, which is not a back-end of this device; {nearest_of(name, list(known))}"
         )
     try:
         found = known[name].load()
@@ -111,13 +113,8 @@ def backend(role: str, name: str) -> Backend:
         ) from reason
     if not isinstance(found, Backend):
         raise CellFileError.of(
-            where, f"is {name!r}, whose entry point is {found!r}, expected a Backend: ask its maker"
+            where,
+            f"is {name!r}, whose entry point is {found!r}, expected a Backend: correct the package that "
+            "provides it",
         )
     return found
-
-
-def _entry_points(role: str) -> dict[str, EntryPoint]:
-    """Return the back-ends of a device by name, beltsort's own first."""
-    group = GROUP + role
-    own = {name: EntryPoint(name, places[role], group) for name, places in BUILT_IN.items() if role in places}
-    return own | {entry.name: entry for entry in entry_points(group=group) if entry.name not in own}

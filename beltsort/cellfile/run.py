@@ -1,4 +1,4 @@
-"""Sorting with a cell that a file describes."""
+"""Runs with the cell of a cell file."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ from beltsort.sorting.report import SortingReport
 from beltsort.sorting.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
 
 DRY_RUN = "-dry-run"
-"""Ends the name of the folder of a run in which something is only said to move."""
+"""Suffix of the folder's name of a dry run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,19 +36,19 @@ class CellRun:
     Attributes
     ----------
     description
-        What its file says.
+        The cell file.
     cell
-        Its devices.
+        The cell.
     model, classifier
-        What the file names, or what was prepared.
+        Those of the cell file, or prepared ones.
     folder
-        Of the run; made by `sort`.
+        Folder of the run, created by `sort`.
     broken_off
-        How far the run had come that is resumed; None for a new one.
+        Progress of the run that is resumed; None for a new run.
     first
-        Number of the object at the belt end, as a person has said; None: the belt is asked.
+        Number of the object at the belt end as given by an operator; None: the belt is asked.
     devices
-        As their back-ends made them.
+        The devices without wrappers.
     """
 
     description: CellDescription
@@ -62,25 +62,25 @@ class CellRun:
 
     @property
     def homable(self) -> bool:
-        """Whether there is a belt that can be told where it stands."""
+        """Whether there is a belt that can be homed."""
         return any(isinstance(device, Homing) for device in self.devices)
 
     def sort(
         self, listener: Listener | None = None, operator: Operator = nobody, check: Check = nothing
     ) -> SortingReport:
-        """Sort the objects, or those that are left, journalling every step.
+        """Sort the objects, or those that are left, and record every step in the journal.
 
-        Whatever ends the run early stops all devices; `operator` and `check` are as in
+        All devices are stopped if the run ends early. `operator` and `check` are as in
         `beltsort.sorting.loop.sort_objects`.
 
         Raises
         ------
         InUseError
-            If another process works on the run, or drives one of its devices.
+            If another process uses the run or one of its devices.
         HeldError
-            If nobody has told the belt of a new run where it stands.
+            If the belt of a new run does not know its position, and no operator has given it.
         BeltsortError
-            As `beltsort.sorting.loop.sort_objects`.
+            As in `beltsort.sorting.loop.sort_objects`.
         """
         make_folder(self.folder)
         with locked(f"the run {self.folder}", self.folder / LOCK), devices_locked(self.devices):
@@ -118,7 +118,7 @@ class CellRun:
         )
 
     def _first_object(self) -> int:
-        """Return the number of the object at the belt end, with which a new run begins."""
+        """Return the number of the object at the belt end, with which a new run starts."""
         beginning = Progress.at_start(self.model)
         if self.first is not None:
             beginning.index = beginning.first = self.first
@@ -138,7 +138,7 @@ def open_run(
     resume: Path | None = None,
     first: int | None = None,
 ) -> CellRun:
-    """Make the devices, and load model and classifier or prepare them.
+    """Create the devices, and load or prepare model and classifier.
 
     Parameters
     ----------
@@ -147,16 +147,16 @@ def open_run(
     runs
         Folder of all runs.
     live
-        Whether things may move; otherwise what can move something real is put into a dry run, and the run's
-        folder is named so.
+        Whether commands are sent to devices that can move hardware; otherwise the run is a dry run, and its
+        folder's name ends in `DRY_RUN`.
     say
-        Called with what a dry run would have done.
+        Called with a line for each command in a dry run.
     progress
         Called with each stage of `prepare`.
     resume
-        Folder of a run that was broken off and is to go on.
+        Folder of an interrupted or held run to resume.
     first
-        Number of the object at the belt end, as a person has said. The belt of a new run is told.
+        Number of the object at the belt end as given by an operator; the belt of a new run is homed to it.
 
     Raises
     ------
@@ -177,7 +177,7 @@ def open_run(
         restore(devices, broken_off)
     if cell.dry_run and resume is None:
         calls.folder = runs / f"{calls.folder.name}{DRY_RUN}"
-    model, classifier = _knowledge(description, progress)
+    model, classifier = _model_and_classifier(description, progress)
     return CellRun(
         description,
         cell,
@@ -191,7 +191,7 @@ def open_run(
 
 
 def restore(devices: Sequence[object], where: Progress) -> None:
-    """Have the devices whose world ends with the process stand where the run begins or broke off."""
+    """Restore the state of devices that exist only in this process, such as a simulated cell."""
     for device in devices:
         if isinstance(device, Restorable):
             device.restore(
@@ -203,71 +203,71 @@ def restore(devices: Sequence[object], where: Progress) -> None:
             )
 
 
-def first_object(cell: ComposedCell, devices: Sequence[object], told: int | None) -> int:
+def first_object(cell: ComposedCell, devices: Sequence[object], given: int | None) -> int:
     """Return the number of the object at the belt end of a new run.
 
     Parameters
     ----------
     cell
-        Its belt is asked.
+        The cell, whose belt is asked for its position.
     devices
-        Those that can be told get the number that a person has said, unless the belt is in a dry run.
-    told
-        That number; None: nobody has said.
+        The devices without wrappers; the belt among them is homed to `given`, unless it is in a dry run.
+    given
+        Number given by an operator; None if there is none.
 
     Raises
     ------
     HeldError
-        If the belt does not know where it stands, and nobody has said.
+        If the belt does not know its position, and `given` is None.
     """
     position = cell.belt.position() if isinstance(cell.belt, TellsPosition) else None
     needs_home = cell.belt.health().needs_home
-    if told is None and (needs_home or position == NOWHERE):
+    if given is None and (needs_home or position == NOWHERE):
         reason = "the belt does not know which object is at the belt end; look"
         raise HeldError(Hold(None, reason, (Way("whichever it is", home=NUMBER),), person=True))
-    if told is not None and position is not None and (needs_home or position != told):
-        home(devices, told)
-    return told if told is not None else position or 0
+    if given is not None and position is not None and (needs_home or position != given):
+        home(devices, given)
+    return given if given is not None else position or 0
 
 
 def home(devices: Sequence[object], index: int) -> None:
-    """Tell the belt that object `index` is at the belt end, as a person has seen.
+    """Home the belt to object `index`, which an operator has seen at the belt end.
 
     Raises
     ------
     CellError
-        If there is no belt that can be told, or it refuses.
+        If there is no belt that can be homed, or homing is rejected.
     """
     belts = [device for device in devices if isinstance(device, Homing)]
     if not belts:
         raise CellError(
-            f"the belt cannot be told that object {index} is at its end, expected a back-end with home(): "
-            "bring the belt there by its own means"
+            f"the belt cannot be homed to object {index}, expected a back-end with home(): bring the belt to "
+            "this object with its own controls"
         )
     for belt in belts:
         belt.home(index)
 
 
 def check_ready(cell: ComposedCell) -> None:
-    """Refuse a cell with a device that is not ready.
+    """Check that every device is ready.
 
     Raises
     ------
     CommandError
-        Naming each of them, and why; `EmergencyStopError` if that is pressed.
+        If devices are not ready, with the reasons; `EmergencyStopError` if the emergency stop is pressed.
     """
     found = CellCheck()
     ask_health(cell, found)
     if found.exceeded:
         pressed = any(health.emergency_stop for health in found.health.values())
         raise (EmergencyStopError if pressed else CommandError)(
-            f"{'; '.join(found.exceeded)}; expected every device ready: `beltsort check` tells more",
+            f"{'; '.join(found.exceeded)}; expected every device ready: see `beltsort check` for details",
             Outcome.NOT_DONE,
         )
 
 
 def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
-    """Return a run as plain data."""
+    """Return the results of a run as plain data."""
     return {
         "steps": report.steps,
         "decisions": [plain_decision(decision, run.model.classes) for decision in report.decisions],
@@ -279,10 +279,10 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
     }
 
 
-def _knowledge(
+def _model_and_classifier(
     description: CellDescription, progress: StageProgress | None
 ) -> tuple[SortingModel, NearestNeighbour]:
-    """Return model and classifier."""
+    """Load the files of the cell file, or prepare a simulated cell."""
     if description.prepare is not None:
         perception = description.perception or PerceptionConfig()
         amounts = description.prepare.model_dump()

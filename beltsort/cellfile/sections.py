@@ -1,4 +1,7 @@
-"""The tables of a cell file. Lengths are metres, times seconds, joint angles radians, all else degrees."""
+"""The tables of a cell file.
+
+Lengths are in metres, times in seconds, joint angles in radians, all other angles in degrees.
+"""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -23,7 +26,7 @@ Probability = Annotated[FiniteFloat, Field(ge=0.0, le=1.0)]
 
 
 class Transform(Section):
-    """A frame in another one: `matrix`, or `position` and `quaternion`."""
+    """A rigid transform, given by `matrix` or by `position` and `quaternion`."""
 
     matrix: Matrix | None = None
     """Four rows of four numbers."""
@@ -39,33 +42,33 @@ class Transform(Section):
         return self
 
     def pose(self) -> Pose:
-        """Return it as a rigid transform, shape (4, 4)."""
+        """Return the transform as a matrix, shape (4, 4)."""
         if self.position is not None and self.quaternion is not None:
             return from_quaternion(self.position, self.quaternion)
         return from_matrix(self.matrix or ())
 
 
 class Viewpoint(Section):
-    """Where the camera can stand: taught joint angles, the camera's pose in the belt's frame, or both.
+    """A viewpoint, given by taught joint angles, by the camera's pose in the belt frame, or both.
 
-    The pose is told in one of four ways: `azimuth` and `elevation` about the belt end, `position` and
-    `look_at`, `position` and `quaternion`, or `matrix`. Cameras look along their z axis, x right, y down.
+    The pose is given in one of four ways: `azimuth` and `elevation` relative to the belt end, `position` and
+    `look_at`, `position` and `quaternion`, or `matrix`. The camera frame has x right, y down, z forward.
     """
 
     name: str
-    """What the viewpoint is called."""
+    """Name of the viewpoint."""
     joints: tuple[FiniteFloat, ...] | None = None
     """Taught joint angles, radians, from the base to the flange."""
     azimuth: FiniteFloat | None = None
-    """Degrees; 0 looks from upstream, 180 from beyond the belt end."""
+    """Degrees; 0 is upstream, 180 beyond the belt end."""
     elevation: FiniteFloat | None = None
-    """Degrees above the belt; 90 looks from straight above."""
+    """Degrees above the belt; 90 is straight above."""
     radius: PositiveFloat = 0.7
     """Distance from the belt end, metres."""
     position: Vector | None = None
     """x, y, z of the camera, metres."""
     look_at: Vector | None = None
-    """x, y, z of what is in the middle of the image, metres."""
+    """x, y, z of the point in the centre of the image, metres."""
     quaternion: Quaternion | None = None
     """x, y, z, w of the camera's rotation, of length 1."""
     matrix: Matrix | None = None
@@ -78,12 +81,15 @@ class Viewpoint(Section):
         ]  # fmt: skip
         _one_of(self, ways if self.joints is None else [(), *ways], "joints, or ")
         if self.position is not None and self.position == self.look_at:
-            raise ValueError(f"position and look_at are both {self.position}, expected two places")
+            raise ValueError(
+                f"position and look_at are both {self.position}, expected different points: correct one of "
+                "them"
+            )
         self.pose()
         return self
 
     def pose(self) -> Pose | None:
-        """Return `world_from_camera`, shape (4, 4), or None where only joint angles were taught."""
+        """Return `world_from_camera`, shape (4, 4), or None if only joint angles are given."""
         belt_end = np.zeros(3)
         if self.azimuth is not None and self.elevation is not None:
             return look_at(on_sphere(self.azimuth, self.elevation, self.radius, belt_end), belt_end)
@@ -95,19 +101,19 @@ class Viewpoint(Section):
 
 
 class DeviceSection(Section):
-    """A device: which back-end drives it."""
+    """A device and its back-end."""
 
     backend: str
     """Name of a back-end."""
     options: Options = Field(default_factory=dict)
-    """The back-end's own; added to those of [backends.NAME]."""
+    """Options of this device; they override those of [backends.NAME]."""
 
 
 class ArmSection(DeviceSection):
     """The arm."""
 
     joint_limits: tuple[tuple[FiniteFloat, FiniteFloat], ...] | None = None
-    """Least and greatest angle of each joint, radians."""
+    """Minimum and maximum angle of each joint, radians."""
 
 
 class CameraSection(DeviceSection):
@@ -121,7 +127,7 @@ class BeltSection(DeviceSection):
     """The belt; lengths as in `beltsort.geometry.BeltLayout`."""
 
     world_from_belt: Transform | None = None
-    """Where the belt's frame lies in the robot's world; the same frame if missing."""
+    """Pose of the belt frame in the robot's world frame; the identity if missing."""
     positions: PositiveInt = 2
     """Number of belt positions seen at once."""
     spacing: PositiveFloat = 0.18
@@ -131,7 +137,7 @@ class BeltSection(DeviceSection):
     rim_radius: PositiveFloat = 0.04
     """Radius of a cup's rim, metres."""
     crop_height: PositiveFloat = 0.25
-    """Upper end of the cylinder in which an object is sought, metres above the belt."""
+    """Upper end of the cylinder to which an object is cropped, metres above the belt."""
     crop_radius: PositiveFloat = 0.085
     """Radius of that cylinder, metres."""
 
@@ -146,38 +152,40 @@ class BeltSection(DeviceSection):
 
 
 class Timeouts(Section):
-    """How long each kind of command may take."""
+    """Timeout of each kind of command."""
 
     move: Seconds = TIMEOUT
-    """Seconds for a move of the arm."""
+    """Timeout of a move of the arm, seconds."""
     scan: Seconds = TIMEOUT
-    """Seconds for a scan."""
+    """Timeout of a scan, seconds."""
     sort: Seconds = TIMEOUT
-    """Seconds for putting an object into its bin."""
+    """Timeout of a sort, seconds."""
     advance: Seconds = TIMEOUT
-    """Seconds for an advance of the belt."""
+    """Timeout of an advance of the belt, seconds."""
 
 
 class Planner(Section):
     """The planner's budget, `trials` or `seconds` (300 trials if neither), and its scenarios."""
 
     trials: PositiveInt | None = None
-    """Trials per plan: reproducible."""
+    """Trials per plan, reproducible."""
     seconds: PositiveFloat | None = None
     """Seconds per plan."""
     scenarios: PositiveInt = 500
     """Number of scenarios."""
     seed: NonNegativeInt = 0
-    """Of the scenarios."""
+    """Seed of the scenarios."""
 
     @model_validator(mode="after")
     def _one_budget(self) -> Self:
         if self.trials is not None and self.seconds is not None:
-            raise ValueError(f"trials is {self.trials} and seconds is {self.seconds}, expected one of them")
+            raise ValueError(
+                f"trials is {self.trials} and seconds is {self.seconds}, expected one of them: leave one out"
+            )
         return self
 
     def settings(self) -> dict[str, Any]:
-        """Return what `beltsort.Despot` needs to know besides the model."""
+        """Return the keyword arguments of `beltsort.Despot`."""
         budget = (
             {"trials": self.trials or DEFAULT_TRIALS} if self.seconds is None else {"seconds": self.seconds}
         )
@@ -185,70 +193,70 @@ class Planner(Section):
 
 
 class Prepare(Section):
-    """Training and tables of a simulated cell, made once and kept in the user's cache folder."""
+    """Training and tables of a simulated cell, computed once and stored in the user's cache folder."""
 
     training_objects: PositiveInt = 40
-    """Objects per class, viewpoint and position that the classifier is trained on."""
+    """Training objects of the classifier per class, viewpoint and position."""
     table_objects: PositiveInt = 100
     """Independent objects per row of the observation tables."""
 
 
 class CheckLimits(Section):
-    """What `beltsort check` tolerates."""
+    """Limits of `beltsort check`."""
 
     belt_angle: PositiveFloat = 1.0
-    """Most degrees between the seen belt and where it should be."""
+    """Largest angle between the measured and the expected belt plane, degrees."""
     belt_height: PositiveFloat = 10.0
-    """Most millimetres between the seen belt and where it should be, at the belt end."""
+    """Largest height difference between the two planes at the belt end, millimetres."""
     belt_points: PositiveInt = 1000
-    """Fewest points of a scan that lie on the belt."""
+    """Smallest number of points on the belt."""
     pose_angle: PositiveFloat = 1.0
-    """Most degrees between the camera's pose, where it is known, and that of the viewpoint."""
+    """Largest angle between a known camera pose and the viewpoint's, degrees."""
     pose_distance: PositiveFloat = 10.0
-    """Most millimetres between the camera, where its pose is known, and the viewpoint."""
+    """Largest distance between a known camera pose and the viewpoint's, millimetres."""
     crop_inside: Annotated[PositiveFloat, Field(le=1.0)] = 1.0
-    """Least share of a position's crop cylinder that lies inside the image."""
+    """Smallest share of a position's crop cylinder that lies inside the image."""
     crop_points: PositiveInt = 100
-    """Fewest points that a scan has in a position's crop cylinder."""
+    """Smallest number of points in a position's crop cylinder."""
 
 
 class Scheduled(Section):
-    """A fault of the n-th call of a command."""
+    """A fault injected into one call."""
 
     command: Literal["move_to", "advance_to", "sort", "scan"]
-    """The command that fails."""
+    """Name of the call."""
     number: PositiveInt
-    """Which of its calls, counted from 1."""
+    """Number of the call with this name, from 1."""
     kind: Fault
     """The kind of fault."""
 
     @model_validator(mode="after")
-    def _can_befall(self) -> Self:
-        if self.command not in self.kind.befalls:
+    def _applicable(self) -> Self:
+        if self.command not in self.kind.affected:
             raise ValueError(
                 f"has kind {self.kind.value} for command {self.command}, expected one of "
-                f"{', '.join(self.kind.befalls)}: a fault of this kind befalls no other"
+                f"{', '.join(self.kind.affected)}: a fault of this kind affects no other"
             )
         return self
 
 
 class FaultSection(Section):
-    """Faults that are injected on purpose, for soaks."""
+    """Faults to inject, for soak tests."""
 
     seed: NonNegativeInt = 0
-    """Of the draws."""
+    """Seed of the random faults."""
     rates: dict[Fault, Probability] = Field(default_factory=dict)
     """Probability per call, by kind of fault."""
     schedule: tuple[Scheduled, ...] = ()
-    """Faults of given calls."""
+    """Faults of particular calls."""
 
     def plan(self) -> FaultPlan:
-        """Return which calls fail."""
+        """Return the plan of the faults."""
         return FaultPlan(self.seed, self.rates, {(s.command, s.number): s.kind for s in self.schedule})
 
 
 def _one_of(section: Section, ways: list[tuple[str, ...]], besides: str = "") -> None:
-    """Refuse a section that does not use exactly one of several ways to say a thing, and that in full."""
+    """Check that a section has the keys of exactly one of several alternatives."""
     known = sorted({key for way in ways for key in way})
     given = {key for key in known if getattr(section, key) is not None}
     if given not in map(set, ways):

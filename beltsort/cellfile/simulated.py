@@ -1,4 +1,4 @@
-"""The simulated cell as a back-end of all four devices."""
+"""The back-end `simulated`: one simulated cell as all four devices."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 NAME = "simulated"
 EMPTY_CUP = "-"
-LABEL_STREAM = 2  # keeps the draws of true labels apart from those of objects and scans
+LABEL_STREAM = 2  # random stream of the true labels, distinct from those of objects and scans
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,14 @@ class SimulatedOptions:
     Attributes
     ----------
     true_labels
-        The class of each object, `-` for an empty cup; behind the last one all cups are empty.
+        The class of each object, `-` for an empty cup; all cups after the last one are empty.
     draw_from
-        If no `true_labels` are given: the classes from which as many objects as the run works through are
-        drawn, uniformly; all classes if none are named.
+        Classes from which the objects of the run are drawn uniformly if `true_labels` is not given; default
+        all classes.
     seed
-        Of the draw, of the objects' shapes and poses, and of the noise.
+        Seed of the classes, of the objects' shapes and poses, and of the noise.
     meshes
-        Mesh files by class, in place of the built-in shapes; relative paths count from the cell file.
+        Mesh files by class, instead of the built-in shapes; relative paths are relative to the cell file.
     """
 
     true_labels: tuple[str, ...] = ()
@@ -48,12 +48,12 @@ class SimulatedOptions:
 
 
 def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
-    """Return the simulated cell that a cell file describes.
+    """Return the simulated cell of a cell file.
 
     Raises
     ------
     CellFileError
-        If the file describes what cannot be simulated.
+        If the file contains settings that cannot be simulated.
     """
     from beltsort.sim.cell import SimulatedCell
 
@@ -62,35 +62,34 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
 
 
 def trainable_config(cell: CellDescription) -> CellConfig:
-    """Return what a simulated cell is set to, on which a classifier can be trained.
+    """Return the configuration of a simulated cell, with which a classifier can be trained.
 
     Raises
     ------
     CellFileError
-        If some device is not simulated.
+        If a device is not simulated.
     """
     others = [role for role in ROLES if cell.device(role).backend != NAME]
     if others:
         raise CellFileError.of(
             "prepare",
-            f"is given, but {', '.join(others)} is not {NAME}; real cells are trained on scans of their "
-            "own: name model and classifier",
+            f"is given, but {', '.join(others)} is not {NAME}, expected all four devices to be: name model "
+            "and classifier, trained on scans of the real cell",
         )
     return config_of(cell, validated(SimulatedOptions, cell.options_of("arm")))
 
 
 def config_of(cell: CellDescription, options: SimulatedOptions) -> CellConfig:
-    """Return what the simulated cell is set to.
+    """Return the configuration of the simulated cell.
 
     Raises
     ------
     CellFileError
-        If a viewpoint is not given by azimuth and elevation, or the sorter's bins are numbered otherwise than
-        the classes.
+        If a viewpoint is not given by azimuth and elevation, or the bin numbers are not the class indices.
     """
     if cell.bin_numbers[: len(cell.classes)] != tuple(range(len(cell.classes))):
         raise CellFileError.of(
-            "", f"bins are {cell.bins}, expected the classes' own for a simulated sorter: leave them out"
+            "", f"bins are {cell.bins}, expected the class indices for a simulated sorter: leave them out"
         )
     return CellConfig(
         classes=cell.classes,
@@ -106,7 +105,7 @@ def _on_sphere(viewpoint: Viewpoint) -> SphereViewpoint:
         raise CellFileError.of(
             "",
             f"viewpoint {viewpoint.name} has no azimuth and elevation, expected both in a simulated cell: "
-            "place it on the sphere about the belt end",
+            "give its direction from the belt end",
         )
     return SphereViewpoint(viewpoint.name, viewpoint.azimuth, viewpoint.elevation, viewpoint.radius)
 
@@ -117,16 +116,16 @@ def true_labels(options: SimulatedOptions, cell: CellDescription) -> list[int | 
     Raises
     ------
     CellFileError
-        If a name is no class.
+        If a name is not a class.
     """
     for key, known in (("true_labels", [*cell.classes, EMPTY_CUP]), ("draw_from", list(cell.classes))):
         for number, name in enumerate(getattr(options, key)):
             if name not in known:
                 raise CellFileError.of(f"{key}[{number}]", f"is {name!r}; {nearest_of(name, known)}")
     if options.true_labels:
-        behind = [EMPTY_CUP] * (cell.objects - len(options.true_labels))
-        named = [*options.true_labels, *behind]
-        return [None if name == EMPTY_CUP else cell.classes.index(name) for name in named]
+        padding = [EMPTY_CUP] * (cell.objects - len(options.true_labels))
+        names = [*options.true_labels, *padding]
+        return [None if name == EMPTY_CUP else cell.classes.index(name) for name in names]
     choice = options.draw_from or cell.classes
     drawn = generator(options.seed, LABEL_STREAM).integers(len(choice), size=cell.objects)
     return [cell.classes.index(choice[i]) for i in drawn]

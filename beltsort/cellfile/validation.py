@@ -15,12 +15,12 @@ class Section(StrictModel):
 
 
 def validated(kind: type[Settings], given: Mapping[str, object]) -> Settings:
-    """Return `given` as a `kind`, which is a `Section` or a dataclass of plain fields.
+    """Return plain data as an instance of `kind`.
 
     Raises
     ------
     CellFileError
-        With all problems at once: unknown and missing keys, values of a wrong type or out of range.
+        With all problems: unknown and missing keys, values of a wrong type or out of range.
 
     Examples
     --------

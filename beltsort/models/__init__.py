@@ -8,8 +8,8 @@ from beltsort._core import SortingModel
 def paper() -> SortingModel:
     """Return the paper's instance: four classes of bulbs, three viewpoints, two belt positions.
 
-    The paper prints three rows of its tables; the others are fill-ins of the same character, as the model's
-    note says.
+    The paper prints only three rows of its tables; the others were chosen with similar accuracy, as stated in
+    the model's note.
 
     References
     ----------

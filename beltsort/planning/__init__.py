@@ -1,1 +1,1 @@
-"""Policies by name, their comparison, and why a plan chose what it did."""
+"""Policies by name, comparison of policies, explanation of plans."""

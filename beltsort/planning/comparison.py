@@ -22,7 +22,7 @@ class Difference:
     mean
         Sample mean of the differences.
     standard_error
-        Of that mean; NaN for a single batch.
+        Standard error of that mean; NaN for a single batch.
     """
 
     mean: float
@@ -30,7 +30,7 @@ class Difference:
 
     @property
     def z(self) -> float:
-        """The mean in standard errors: beyond 2 or so in size, chance alone is an unlikely explanation."""
+        """The mean divided by its standard error; a magnitude above 2 is unlikely to be due to chance."""
         if self.standard_error == 0:
             return math.copysign(math.inf, self.mean) if self.mean else 0.0
         return self.mean / self.standard_error
@@ -38,20 +38,20 @@ class Difference:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Policies evaluated on the same batches, and what they differ by; `str` gives a table.
+    """Policies evaluated on the same batches, and their differences; `str` returns a table.
 
     Attributes
     ----------
     evaluations
-        The outcomes of each policy, by its name.
+        The evaluation of each policy, by name.
     baseline
-        Name of the policy that the others are held against.
+        Name of the policy that the others are compared with.
     metrics
-        Outcomes compared: properties of `Evaluation`.
+        Names of the compared properties of `Evaluation`.
     batch_size
         Decisions per batch.
     seed
-        Of classes and labels.
+        Seed of classes and labels.
     """
 
     evaluations: Mapping[str, Evaluation]
@@ -61,27 +61,26 @@ class Comparison:
     seed: int
 
     def outcomes(self, policy: str, metric: str) -> NDArray[np.float64]:
-        """Return one outcome of a policy for every batch, float64 of shape (batches,).
+        """Return a metric of a policy for every batch, float64 of shape (batches,).
 
         Raises
         ------
         ArgumentError
-            For an unknown policy or metric, listing those that there are.
+            If the policy or the metric is unknown; the message lists the known ones.
         """
         _check("policy", policy, list(self.evaluations))
         _check("metric", metric, self.metrics)
         return np.asarray(getattr(self.evaluations[policy], metric), dtype=np.float64)
 
     def difference(self, policy: str, metric: str, other: str | None = None) -> Difference:
-        """Return by how much a policy's outcome exceeds that of another one.
+        """Return the mean difference of a metric between two policies.
 
-        The batches are paired: both policies met the same objects, and what the objects contribute to both
-        cancels.
+        Batches are paired: both policies get the same objects, so the variance due to the objects cancels.
 
         Parameters
         ----------
         policy, other
-            Names; the baseline if `other` is missing.
+            Names of policies; `other` defaults to the baseline.
         metric
             One of `metrics`.
 
@@ -93,7 +92,7 @@ class Comparison:
         Raises
         ------
         ArgumentError
-            For an unknown policy or metric, listing those that there are.
+            If a policy or the metric is unknown; the message lists the known ones.
         """
         reference = self.outcomes(self.baseline if other is None else other, metric)
         differences = self.outcomes(policy, metric) - reference
@@ -109,7 +108,7 @@ class Comparison:
         }
 
     def differences(self) -> dict[str, dict[str, Difference]]:
-        """Return what each policy differs from the baseline by, ``[policy][metric]``."""
+        """Return the differences of each policy from the baseline, ``[policy][metric]``."""
         return {
             name: {metric: self.difference(name, metric) for metric in self.metrics}
             for name in self.evaluations
@@ -137,7 +136,7 @@ class Comparison:
         }
 
     def __str__(self) -> str:
-        """Lay out means and paired differences as plain text, a row per metric."""
+        """Format means and paired differences as plain text, a row per metric."""
         batches = len(self.evaluations[self.baseline].steps)
         means = {
             name: [f"{s['mean']:.3f} ± {s['standard_error']:.3f}" for s in summary.values()]
@@ -181,31 +180,32 @@ def compare(
 ) -> Comparison:
     """Evaluate policies on the same batches.
 
-    Randoms are indexed by (batch, object, look), so that every policy meets the same objects; differences
-    are taken batch by batch, and have far smaller standard errors than the means. A baseline that is to be
-    beaten is best tuned on other seeds.
+    Random numbers are indexed by (batch, object, look), so that every policy gets the same objects. Paired
+    differences have much smaller standard errors than differences of means. Tune a baseline on other seeds
+    than those of the comparison.
 
     Parameters
     ----------
     model, batches, batch_size, seed, threads, viewpoint, true_classes, truth, max_looks, reference, belt_ends
-        As `evaluate` takes them.
+        As in `evaluate`.
     policies
-        At least two policies by name: whatever `evaluate` accepts.
+        At least two policies, by name.
     baseline
-        Name of the policy that the others are held against; the first if missing.
+        Name of the policy that the others are compared with; default the first.
     metrics
-        Outcomes to compare, by their names in `Evaluation`; every one that is unbiased if missing. The more
-        are looked at, the likelier that one of them seems to differ by chance.
+        Names of properties of `Evaluation` to compare; default all that are unbiased. With many metrics, some
+        differ significantly by chance.
 
     Returns
     -------
     Comparison
-        The outcomes of every policy, their means and their paired differences.
+        The evaluation of every policy, with means and paired differences.
 
     Raises
     ------
     ArgumentError
-        For fewer than two policies, an unknown baseline or metric, and whatever `evaluate` refuses.
+        If there are fewer than two policies, the baseline or a metric is unknown, or `evaluate` rejects an
+        argument.
 
     Examples
     --------
@@ -217,7 +217,9 @@ def compare(
     True
     """
     if len(policies) < 2:
-        raise ArgumentError(f"{len(policies)} policies: give at least two to compare")
+        raise ArgumentError(
+            f"{len(policies)} policies are given, expected at least two to compare; give more"
+        )
     names = list(policies)
     chosen = names[0] if baseline is None else baseline
     _check("policy", chosen, names)
@@ -247,4 +249,4 @@ def compare(
 
 def _check(what: str, name: str, names: Sequence[str]) -> None:
     if name not in names:
-        raise ArgumentError(f"there is no {what} {name!r} here; there are {', '.join(names)}")
+        raise ArgumentError(f"there is no {what} {name!r}, expected one of {', '.join(names)}; choose one")

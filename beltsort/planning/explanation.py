@@ -1,4 +1,4 @@
-"""Why a plan says what it says: the searched tree in words."""
+"""Explanation of plans: the search tree in words."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -6,31 +6,32 @@ from typing import Any
 from beltsort._core import Decide, Move, Plan, SortingModel
 from beltsort.planning.plan_tree import NamedAction, TreeAction, TreeBranch, TreeNode
 
-OUTCOMES = 4  # of an action that are told one by one
-NEGLIGIBLE = 0.005  # probability that is not worth a line
+BRANCHES = 4  # most likely branches of an action that get a line each
+NEGLIGIBLE = 0.005  # probability below which the remaining branches get no line
 
 
 def explain(model: SortingModel, plan: Plan, depth: int = 2) -> str:
-    """Say why the plan's action is the best one, and what is likely to follow it.
+    """Explain why the plan's action was chosen, and what is likely to follow it.
 
     Parameters
     ----------
     model
-        The model planned for.
+        The planner's model.
     plan
-        What its planner said.
+        A plan of that planner.
     depth
-        Planner steps to tell of: 1 for what the action may show, 2 for what would be done then, and so on.
+        Planner steps to explain: 1 for the possible observations after the action, 2 for the actions after
+        them, and so on.
 
     Returns
     -------
     str
-        Several lines. Probabilities and beliefs are exact under the model; values are estimates.
+        Several lines of text. Probabilities and beliefs are exact under the model; values are estimates.
 
     Raises
     ------
     ArgumentError
-        For a depth below 0 or above 1000.
+        If the depth is below 0 or above 1000.
 
     Examples
     --------
@@ -48,12 +49,12 @@ def explain(model: SortingModel, plan: Plan, depth: int = 2) -> str:
     for action in tree["actions"]:
         if _action(action["action"]) == plan.action:
             lines.append(f"After '{action_in_words(model, plan.action)}', most likely:")
-            lines += _outcomes(model, action, depth)
+            lines += _branch_lines(model, action, depth)
     return "\n".join(lines)
 
 
 def reason(model: SortingModel, plan: Plan, belief: Sequence[float]) -> str:
-    """Return one sentence that holds deciding now against one more look; `belief` is that of the belt end."""
+    """Return a sentence that compares deciding now with one more look; `belief` is that of the belt end."""
     values = plan.values
     decision = max((action for action in values if isinstance(action, Decide)), key=values.__getitem__)
     looks = [action for action in values if isinstance(action, Move)]
@@ -71,7 +72,7 @@ def reason(model: SortingModel, plan: Plan, belief: Sequence[float]) -> str:
 
 
 def action_in_words(model: SortingModel, action: Move | Decide) -> str:
-    """Say what an action does."""
+    """Return an action as text."""
     match action:
         case Move(viewpoint):
             return f"move to {model.viewpoints[viewpoint]} and scan"
@@ -80,7 +81,7 @@ def action_in_words(model: SortingModel, action: Move | Decide) -> str:
 
 
 def tree_in_names(model: SortingModel, tree: TreeNode) -> dict[str, Any]:
-    """Return the tree with classes and viewpoints by name, as the commands print them."""
+    """Return the tree with names of classes and viewpoints in place of indices."""
 
     def action_in_names(action: TreeAction) -> dict[str, Any]:
         ((kind, index),) = action["action"].items()
@@ -98,34 +99,36 @@ def tree_in_names(model: SortingModel, tree: TreeNode) -> dict[str, Any]:
     }
 
 
-def _outcomes(model: SortingModel, action: TreeAction, depth: int, indent: str = "  ") -> Iterator[str]:
-    """Tell the likeliest outcomes of an action, and in `depth` - 1 further steps what would be done then."""
-    told = action["branches"][:OUTCOMES]
-    for branch in told:
+def _branch_lines(model: SortingModel, action: TreeAction, depth: int, indent: str = "  ") -> Iterator[str]:
+    """Yield a line for each of the likeliest branches, followed by `depth` - 1 further planner steps."""
+    likeliest = action["branches"][:BRANCHES]
+    for branch in likeliest:
         node = branch["node"]
-        then = max(node["actions"], key=lambda action: action["value"], default=None)
-        yield f"{indent}{_outcome(model, branch)}{_then(model, then) if depth > 1 else ''}"
-        if then is not None and depth > 2:
-            yield from _outcomes(model, then, depth - 1, indent + "    ")
-    others = 1.0 - sum(branch["probability"] for branch in told)
+        best = max(node["actions"], key=lambda action: action["value"], default=None)
+        line = f"{indent}{_posterior(model, branch)}"
+        if depth > 1:
+            line += (
+                ", not searched further"
+                if best is None
+                else f", then {action_in_words(model, _action(best['action']))}"
+            )
+        yield line
+        if best is not None and depth > 2:
+            yield from _branch_lines(model, best, depth - 1, indent + "    ")
+    others = 1.0 - sum(branch["probability"] for branch in likeliest)
     if others > NEGLIGIBLE:
         yield f"{indent}anything else ({_percent(others)})"
 
 
-def _outcome(model: SortingModel, branch: TreeBranch) -> str:
+def _posterior(model: SortingModel, branch: TreeBranch) -> str:
+    """Return the labels of a branch, and the most likely class at the belt end after them."""
     row = branch["node"]["belief"][0]
     label = max(range(len(row)), key=row.__getitem__)
-    believed = f"{_percent(row[label])} {model.classes[label]}"
+    most_likely = f"{_percent(row[label])} {model.classes[label]}"
     names = _names(model, branch)
     if names is None:
-        return f"the next object is {believed}"
-    return f"if it says {', '.join(names)} ({_percent(branch['probability'])}): {believed}"
-
-
-def _then(model: SortingModel, then: TreeAction | None) -> str:
-    return (
-        ", not looked into" if then is None else f", then {action_in_words(model, _action(then['action']))}"
-    )
+        return f"the next object is {most_likely}"
+    return f"if it says {', '.join(names)} ({_percent(branch['probability'])}): {most_likely}"
 
 
 def _names(model: SortingModel, branch: TreeBranch) -> list[str] | None:

@@ -1,4 +1,4 @@
-"""Policies named by one word, `threshold:0.94` for example."""
+"""Policies by name, `threshold:0.94` for example."""
 
 import re
 from collections.abc import Callable
@@ -18,50 +18,42 @@ from beltsort.planning.policy import Policy
 
 DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
 HELP = (
-    f"despot[:TRIALS] ({DEFAULT_TRIALS} if missing), despot:SECONDSs (despot:0.01s), threshold:T, "
-    "information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (solves first; 60s if missing), "
+    f"despot[:TRIALS] (default {DEFAULT_TRIALS}), despot:SECONDSs (despot:0.01s), threshold:T, "
+    "information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (solves first; default 60s), "
     "solution:FILE (written by `beltsort solve`)"
 )
 
 
 def named_policy(text: str, model: SortingModel, **settings: Any) -> Policy:
-    """Make the policy that a word names.
+    """Return the policy with a name.
 
     Parameters
     ----------
     text
         A kind and its parameters, separated by colons: see `HELP`.
     model
-        The model it plans for.
+        The policy's model.
     settings
-        Further settings of `Despot`; no other policy has any.
+        Keyword arguments of `Despot`; the other kinds accept none.
 
     Raises
     ------
     ArgumentError
-        For an unknown kind, or parameters that the kind does not have.
+        If the kind is unknown or does not have these parameters.
     """
     kind, *parameters = text.split(":")
     if kind not in KINDS:
-        raise ArgumentError(f"there is no policy {text!r}; there are {HELP}")
+        raise ArgumentError(f"there is no policy {text!r}, expected one of {HELP}")
     try:
         return KINDS[kind](model, *parameters, **settings)
     except (TypeError, ValueError) as reason:
-        raise ArgumentError(f"{text!r} names no policy ({reason}); there are {HELP}") from reason
+        raise ArgumentError(f"{text!r} is not a valid policy ({reason}), expected one of {HELP}") from reason
 
 
 def _despot(model: SortingModel, budget: str = str(DEFAULT_TRIALS), **settings: Any) -> Policy:
     if budget.endswith("s"):
         return Despot(model, seconds=_seconds(budget), **settings)
     return Despot(model, trials=int(budget), **settings)
-
-
-def _threshold(model: SortingModel, threshold: str) -> Policy:
-    return Threshold(model, float(threshold))
-
-
-def _information_gain(model: SortingModel, threshold: str, positions: str = "1") -> Policy:
-    return InformationGain(model, float(threshold), int(positions))
 
 
 def _solution(model: SortingModel, *source: str) -> Policy:
@@ -79,8 +71,10 @@ def _seconds(text: str) -> float:
 
 KINDS: dict[str, Callable[..., Policy]] = {
     "despot": _despot,
-    "threshold": _threshold,
-    "information-gain": _information_gain,
+    "threshold": lambda model, threshold: Threshold(model, float(threshold)),
+    "information-gain": lambda model, threshold, positions="1": InformationGain(
+        model, float(threshold), int(positions)
+    ),
     "one-object": OneObject,
     "solution": _solution,
 }

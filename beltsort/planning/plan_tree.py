@@ -1,28 +1,28 @@
-"""The searched tree of a plan as plain data, ready for JSON: what `Plan.tree` returns."""
+"""The search tree of a plan as plain data, as returned by `Plan.tree`."""
 
 from typing import TypedDict
 
 NamedAction = dict[str, int]
-"""`{"move": viewpoint}` or `{"decide": label}`, as the journal keeps it."""
+"""`{"move": viewpoint}` or `{"decide": label}`, the journal's format."""
 
 
 class TreeNode(TypedDict):
-    """A belief of the tree; values are expected discounted rewards as seen from there.
+    """A belief node; values are expected discounted rewards from this node on.
 
     Attributes
     ----------
     viewpoint
-        Where the camera stands.
+        The camera's viewpoint.
     belief
         H lists of L probabilities, the belt end first.
     value
         Estimate.
     lower, upper
-        The search's own bounds.
+        Bounds of the sampled problem.
     scenarios
-        How many come there; None where the search has not been.
+        Number of scenarios at the node; None if the node was not expanded.
     actions
-        Those that the search compared; none where it has not been, and none at the last step asked for.
+        The actions compared; empty if the node was not expanded, or at the requested depth.
     """
 
     viewpoint: int
@@ -35,16 +35,16 @@ class TreeNode(TypedDict):
 
 
 class TreeAction(TypedDict):
-    """An action of the tree; of all decisions the best one stands for all.
+    """An action of a node. Of the decisions only the best one is included.
 
     Attributes
     ----------
     action
-        Which one.
+        The action.
     value, lower, upper
         As in `TreeNode`.
     branches
-        What it may lead to, the likeliest first; labels that no scenario gives are missing.
+        Branches, the most likely first; label vectors that occur in no scenario are not included.
     """
 
     action: NamedAction
@@ -55,16 +55,16 @@ class TreeAction(TypedDict):
 
 
 class TreeBranch(TypedDict):
-    """What an action may lead to.
+    """A label vector that may be observed after an action.
 
     Attributes
     ----------
     probability
-        Of these labels, after the action.
+        Probability of the labels, given the action.
     labels
-        One per position, the belt end first; None if no scan follows the action.
+        One label per position, the belt end first; None if no scan follows the action.
     node
-        The belief after it.
+        The node after the observation.
     """
 
     probability: float

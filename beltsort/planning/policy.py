@@ -1,4 +1,4 @@
-"""What a policy is."""
+"""The protocol of policies."""
 
 from typing import Protocol
 
@@ -6,7 +6,7 @@ from beltsort._core import Belief, Decide, Move
 
 
 class Policy(Protocol):
-    """Anything that names the next action: `Despot`, the simple policies, or your own object.
+    """Chooses the next action: `Despot`, the simple policies, or an object of your own.
 
     Examples
     --------
@@ -21,18 +21,18 @@ class Policy(Protocol):
     """
 
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide:
-        """Name the next action.
+        """Return the next action.
 
         Parameters
         ----------
         belief
-            What is known of the objects; the policy may change it, it is a copy.
+            The belief about the objects. It is a copy, which the policy may modify.
         viewpoint
-            Where the camera stands.
+            The camera's viewpoint.
 
         Returns
         -------
         Move or Decide
-            An action that the model allows from there.
+            An action that the model allows from this viewpoint.
         """
         ...

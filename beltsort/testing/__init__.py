@@ -1,1 +1,1 @@
-"""For authors of drivers: the controller to test against, its servers, and faults on purpose."""
+"""Tools for authors of drivers: a reference controller, servers for it, and fault injection."""

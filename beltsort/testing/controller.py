@@ -1,7 +1,7 @@
-"""The controller's side as a plain state machine: the specification to program a real controller by.
+"""The controller's side of the protocol as a state machine: a template for a real controller.
 
-It knows no network and no thread. Time comes from the clock it is given, and whatever ended since the last
-call is noticed at the beginning of the next.
+It uses no network and no threads. Time comes from a clock that is passed in, and each call first ends the
+command whose time has passed.
 """
 
 from collections import OrderedDict
@@ -21,8 +21,8 @@ from beltsort.drivers.fieldbus.wire import (
 )
 
 
-class Mishap(Enum):
-    """What the next advance of the belt can be made to suffer, for tests."""
+class AdvanceFault(Enum):
+    """A fault that a test can inject into the next advance of the belt."""
 
     STUCK = "stuck"
     """The belt does not move."""
@@ -32,20 +32,20 @@ class Mishap(Enum):
 
 @dataclass(frozen=True)
 class Machine:
-    """What the controller drives.
+    """The machine that the controller drives.
 
     Attributes
     ----------
     bins
         Number of bins.
     capacity
-        Objects that fit into a bin.
+        Number of objects that fit into a bin.
     advance_seconds
         Duration of an advance by one object.
     sort_seconds
         Duration of a sort.
     memory
-        Commands that are remembered.
+        Number of commands kept in memory.
     """
 
     bins: int = 5
@@ -57,12 +57,12 @@ class Machine:
 
 @dataclass
 class Record:
-    """A command and what became of it.
+    """A command and its state.
 
     Attributes
     ----------
-    end
-        Time at which it ends or ended, seconds on the controller's clock.
+    begin, end
+        Times at which it starts to move and at which it ends, seconds on the controller's clock.
     """
 
     verb: int
@@ -74,21 +74,21 @@ class Record:
 
 
 class Controller:
-    """Carries out requests.
+    """Executes requests.
 
     Parameters
     ----------
     machine
-        What it drives.
+        The machine that it drives.
     boot
-        A number that no earlier start had, above 0.
+        Boot id, above 0; no earlier start may have had the same.
     clock
-        Seconds that never go back.
+        A monotonic clock, seconds.
 
     Attributes
     ----------
     sequence
-        Of the last request that was answered.
+        Sequence of the last request that was answered.
 
     Examples
     --------
@@ -105,29 +105,29 @@ class Controller:
         self._memory: OrderedDict[int, Record] = OrderedDict()
         self._forgotten = 0
         self._running: Record | None = None
-        self._at = 0  # the last object that has reached the belt end
+        self._at = 0  # the last object that reached the belt end
         self._between = False
         self._sorted = False
         self._emergency_stop = False
         self._fault = Reason.NOT_HOMED
-        self._mishap: Mishap | None = None
+        self._advance_fault: AdvanceFault | None = None
         self._delay = 0.0
         self._bins = [0] * machine.bins
 
     def is_new(self, request: Request) -> bool:
-        """Tell whether a request is to be acted on: late ones, and those seen before, are not."""
+        """Return whether a request must be executed: late and repeated ones must not."""
         return is_ahead(request.sequence, of=self.sequence)
 
     def answer(self, request: Request) -> Reply:
-        """Act on a request, which `is_new`, and reply."""
-        self._settle()
+        """Execute a request, which must be new, and return the reply."""
+        self._end_due()
         self.sequence = request.sequence
         record = self._act(request)
         return self._reply(request, record)
 
     def press(self) -> None:
-        """Press the emergency stop: hardware has ended every motion."""
-        self._settle()
+        """Press the emergency stop, with which hardware ends every motion."""
+        self._end_due()
         self._break_off(Reason.EMERGENCY_STOP)
         self._emergency_stop = True
 
@@ -136,7 +136,7 @@ class Controller:
         self._emergency_stop = False
 
     def fill(self) -> None:
-        """Let every bin be full."""
+        """Fill every bin."""
         self._bins = [self._machine.capacity] * self._machine.bins
 
     def empty(self) -> None:
@@ -144,16 +144,16 @@ class Controller:
         self._bins = [0] * self._machine.bins
 
     def home(self, index: int) -> None:
-        """Take the word of somebody who has looked: object `index` is at the belt end."""
+        """Set the object at the belt end, as checked by an operator, and clear the faults."""
         self._at, self._between, self._sorted = index, False, False
         self._fault = Reason.NONE
 
-    def suffer(self, mishap: Mishap) -> None:
-        """Let the next advance go wrong."""
-        self._mishap = mishap
+    def inject(self, fault: AdvanceFault) -> None:
+        """Inject a fault into the next advance."""
+        self._advance_fault = fault
 
     def delay(self, seconds: float) -> None:
-        """Let the next command begin to move something so much later."""
+        """Delay the motion of the next command, seconds."""
         self._delay = seconds
 
     def _act(self, request: Request) -> Record:
@@ -172,7 +172,7 @@ class Controller:
         return self._ended(request, Phase.NOT_DONE, Reason.NO_SUCH_VERB)
 
     def _command(self, request: Request) -> Record:
-        """Carry out a command unless its id acted before; keep it in memory only if it acts."""
+        """Execute a command unless its key was executed before; only executed commands are remembered."""
         if request.key == 0:
             return self._ended(request, Phase.NOT_DONE, Reason.OTHER_COMMAND)
         earlier = self._memory.get(request.key)
@@ -180,51 +180,45 @@ class Controller:
             if (earlier.verb, earlier.target) == (request.verb, request.target):
                 return earlier
             return self._ended(request, Phase.NOT_DONE, Reason.OTHER_COMMAND)
-        refusal = self._refusal(request)
-        if refusal is not Reason.NONE:
-            return self._ended(request, Phase.NOT_DONE, refusal)
+        rejection = self._rejection(request)
+        if rejection is not Reason.NONE:
+            return self._ended(request, Phase.NOT_DONE, rejection)
         begin, self._delay = self._clock() + self._delay, 0.0
-        end = begin + self._duration(request)
-        self._running = Record(request.verb, request.target, Phase.RUNNING, Reason.NONE, begin, end)
-        self._remember(request.key, self._running)
-        self._settle()
-        return self._memory[request.key]
-
-    def _refusal(self, request: Request) -> Reason:
-        refusals = {
-            Reason.EMERGENCY_STOP: self._emergency_stop,
-            self._fault: self._fault is not Reason.NONE,
-            Reason.BUSY: self._running is not None,
-            **(self._sort_refusals if request.verb == Verb.SORT else self._advance_refusals)(request.target),
-        }
-        return next((reason for reason, holds in refusals.items() if holds), Reason.NONE)
-
-    def _advance_refusals(self, index: int) -> dict[Reason, bool]:
-        return {Reason.BACKWARDS: index < self._at + self._between}
-
-    def _sort_refusals(self, label: int) -> dict[Reason, bool]:
-        exists = 0 <= label < len(self._bins)
-        return {
-            Reason.NO_SUCH_BIN: not exists,
-            Reason.BETWEEN_OBJECTS: self._between,
-            Reason.ALREADY_SORTED: self._sorted,
-            Reason.BIN_FULL: exists and self._bins[label] >= self._machine.capacity,
-        }
-
-    def _duration(self, request: Request) -> float:
-        if request.verb == Verb.SORT:
-            return self._machine.sort_seconds
-        return self._machine.advance_seconds * (request.target - self._at)
-
-    def _remember(self, key: int, record: Record) -> None:
-        self._memory.pop(key, None)
-        self._memory[key] = record
+        duration = self._machine.sort_seconds
+        if request.verb == Verb.ADVANCE:
+            duration = self._machine.advance_seconds * (request.target - self._at)
+        self._running = Record(
+            request.verb, request.target, Phase.RUNNING, Reason.NONE, begin, begin + duration
+        )
+        self._memory.pop(request.key, None)
+        self._memory[request.key] = self._running
         if len(self._memory) > self._machine.memory:
             self._memory.popitem(last=False)
             self._forgotten += 1
+        self._end_due()
+        return self._memory[request.key]
 
-    def _settle(self) -> None:
-        """End what has come to its end by now."""
+    def _rejection(self, request: Request) -> Reason:
+        """Return the first reason to reject a command, in the order of docs/fieldbus.md, or `NONE`."""
+        conditions = {
+            Reason.EMERGENCY_STOP: self._emergency_stop,
+            self._fault: self._fault is not Reason.NONE,
+            Reason.BUSY: self._running is not None,
+        }
+        if request.verb == Verb.SORT:
+            exists = 0 <= request.target < len(self._bins)
+            conditions |= {
+                Reason.NO_SUCH_BIN: not exists,
+                Reason.BETWEEN_OBJECTS: self._between,
+                Reason.ALREADY_SORTED: self._sorted,
+                Reason.BIN_FULL: exists and self._bins[request.target] >= self._machine.capacity,
+            }
+        else:
+            conditions[Reason.BACKWARDS] = request.target < self._at + self._between
+        return next((reason for reason, holds in conditions.items() if holds), Reason.NONE)
+
+    def _end_due(self) -> None:
+        """End the running command if its time has passed."""
         record = self._running
         if record is None or self._clock() < record.end:
             return
@@ -236,14 +230,14 @@ class Controller:
             self._arrive(record)
 
     def _arrive(self, record: Record) -> None:
-        mishap, self._mishap = self._mishap, None
-        match mishap:
+        fault, self._advance_fault = self._advance_fault, None
+        match fault:
             case None:
                 record.phase = Phase.DONE
                 self._reach(record.target)
-            case Mishap.STUCK:
+            case AdvanceFault.STUCK:
                 record.phase, record.reason = Phase.NOT_DONE, Reason.STUCK
-            case Mishap.OVERSHOT:
+            case AdvanceFault.OVERSHOT:
                 record.phase, record.reason = Phase.BROKEN_OFF, Reason.OVERSHOT
                 self._reach(record.target + 1)
         self._fault = record.reason
@@ -253,7 +247,7 @@ class Controller:
             self._at, self._between, self._sorted = index, False, False
 
     def _break_off(self, reason: Reason) -> None:
-        """End the running command where it is."""
+        """Interrupt the running command at its current position."""
         record, self._running = self._running, None
         if record is None:
             return
@@ -270,7 +264,7 @@ class Controller:
         return self._ended(request, Phase.DONE)
 
     def _ended(self, request: Request, phase: Phase, reason: Reason = Reason.NONE) -> Record:
-        """Return a record of what takes no time."""
+        """Return a record of a request that takes no time."""
         now = self._clock()
         return Record(request.verb, request.target, phase, reason, now, now)
 

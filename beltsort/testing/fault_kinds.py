@@ -1,4 +1,4 @@
-"""The kinds of faults, and what they befall."""
+"""Kinds of injected faults, and the calls that they affect."""
 
 from enum import StrEnum
 
@@ -9,38 +9,38 @@ COMMANDS = (*ACTS, "scan")
 
 
 class Fault(StrEnum):
-    """A way in which a command goes wrong."""
+    """A kind of fault."""
 
     NOT_DONE = "not_done"
-    """The device refuses; nothing was done."""
+    """The device rejects the command; nothing is done."""
     LOST_ACKNOWLEDGEMENT = "lost_acknowledgement"
-    """It was done; the answer is lost."""
+    """The command is done, but its reply is lost."""
     LATE = "late"
-    """It ends past its timeout: an act is still to come when the caller gives up."""
+    """The call times out, and is executed afterwards."""
     STALE_SCAN = "stale_scan"
-    """A scan older than it may be."""
+    """The scan is older than allowed."""
     EMPTY_SCAN = "empty_scan"
-    """A scan without points."""
+    """The scan has no points."""
     NAN_SCAN = "nan_scan"
-    """A scan all of whose points are NaN."""
+    """All points of the scan are NaN."""
     TRUNCATED_SCAN = "truncated_scan"
-    """The first third of a scan."""
+    """The scan contains only the first third of its rows."""
     WRONG_ARRIVAL = "wrong_arrival"
-    """The arm goes to another viewpoint and does not notice."""
+    """The arm moves to another viewpoint and reports success."""
     FULL_BIN = "full_bin"
-    """The bin is full; nothing was done."""
+    """The bin is full; nothing is done."""
     EMERGENCY_STOP = "emergency_stop"
-    """Somebody presses the emergency stop, and releases it when health has reported it once."""
+    """The emergency stop is pressed, and released after health has reported it once."""
     RESTART = "restart"
-    """The controller restarts, before or after the act, and forgets all commands."""
+    """The controller restarts, before or after executing the call, and forgets all commands."""
 
     @property
-    def befalls(self) -> tuple[str, ...]:
-        """The commands that it can befall."""
-        return BEFALLS.get(self, ACTS)
+    def affected(self) -> tuple[str, ...]:
+        """Names of the calls that it can affect."""
+        return AFFECTED.get(self, ACTS)
 
 
-BEFALLS = {
+AFFECTED = {
     Fault.LATE: COMMANDS,
     Fault.WRONG_ARRIVAL: ("move_to",),
     Fault.FULL_BIN: ("sort",),
@@ -48,4 +48,4 @@ BEFALLS = {
     Fault.RESTART: COMMANDS,
     **dict.fromkeys((Fault.STALE_SCAN, Fault.EMPTY_SCAN, Fault.NAN_SCAN, Fault.TRUNCATED_SCAN), ("scan",)),
 }
-"""Commands that a fault can befall, where these are not all that move something."""
+"""Calls that a fault can affect, where these are not the commands that move something (`ACTS`)."""

@@ -1,4 +1,4 @@
-"""Faults on purpose: a device that fails as real ones do, as a function of a seed."""
+"""Fault injection: a layer that makes devices fail, reproducibly from a seed."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -14,7 +14,7 @@ from beltsort.geometry import Pose
 from beltsort.testing.fault_kinds import COMMANDS, Fault
 from beltsort.util.randomness import generator
 
-ON_PURPOSE = "(a fault on purpose: see [faults])"
+INJECTED = "(an injected fault: see [faults])"
 
 
 @dataclass(frozen=True)
@@ -39,134 +39,134 @@ class FaultPlan:
     schedule: Mapping[tuple[str, int], Fault] = field(default_factory=dict)
 
     def fault(self, command: str, number: int) -> Fault | None:
-        """Return how a call fails, or None."""
+        """Return the fault of a call, or None."""
         draw = self.generator(command, number).random()
         for kind, rate in self.rates.items():
-            if command in kind.befalls:
+            if command in kind.affected:
                 if draw < rate:
                     return self.schedule.get((command, number), kind)
                 draw -= rate
         return self.schedule.get((command, number))
 
     def generator(self, command: str, number: int) -> np.random.Generator:
-        """Return the random numbers of a call."""
+        """Return the random number generator of a call."""
         return generator(self.seed, COMMANDS.index(command), number)
 
 
 class Faults(Layer):
-    """Makes devices fail; one for all devices of a cell, as if one controller drove them.
+    """A layer that injects faults; one instance for all devices of a cell, as if they had one controller.
 
     Parameters
     ----------
     plan
-        Which calls fail.
+        The faults to inject.
     viewpoints
-        Number of viewpoints, at one of which a wrong arrival ends.
+        Number of viewpoints, from which that of a wrong arrival is chosen.
     """
 
     def __init__(self, plan: FaultPlan, viewpoints: int) -> None:
         self._plan, self._viewpoints = plan, viewpoints
         self._calls: Counter[str] = Counter()
         self._boots = 0
-        self._known: set[str] = set()
+        self._ids_since_boot: set[str] = set()
         self._pressed = False
         self._late: tuple[str | None, Callable[[], object]] | None = None
         self._last_scan: Scan | None = None
 
     def command(self, send: Send, request: Request) -> float:
-        """Pass a command on, or let it fail; to another viewpoint, if a move is to end elsewhere."""
-        # Under an id of this boot: a device that forgot a command would act again.
+        """Send a command, or let it fail; a wrong arrival sends a move to another viewpoint."""
+        # A new id after a restart: the wrapped device did not restart and remembers the old one.
         named = replace(request, command_id=self._id(request.command_id))
         name = METHODS[type(request.act)]
-        fault = self._befall(name, request.command_id, request.timeout, partial(send, named))
+        fault = self._next_fault(name, request.command_id, request.timeout, partial(send, named))
         if fault is Fault.WRONG_ARRIVAL:
             named = replace(named, act=MoveTo((request.act.target + 1) % self._viewpoints))
         return send(named)
 
     def scan(self, take: Take, request: ScanRequest) -> Scan:
-        """Have a scan taken, or let that fail; or spoil it."""
-        fault = self._befall("scan", None, request.timeout, partial(take, request))
+        """Take a scan, or let that fail, or return a faulty one."""
+        fault = self._next_fault("scan", None, request.timeout, partial(take, request))
         scan = take(request)
         if fault is not None:
-            return self._spoilt(fault, scan, request.not_before)
+            return self._faulty_scan(fault, scan, request.not_before)
         self._last_scan = scan
         return scan
 
     def outcome_of(self, ask: Callable[[str], Outcome], command_id: str) -> Outcome:
-        """Tell what became of a command, as a controller that forgets all when it restarts."""
+        """Return the outcome of a command, unknown after a restart of the controller."""
         known_as = self._id(command_id)
         late = self._late is not None and self._late[0] == known_as
-        self._catch_up()
-        if late or (self._boots and command_id not in self._known):
+        self._execute_late()
+        if late or (self._boots and command_id not in self._ids_since_boot):
             return Outcome.UNKNOWN
         return ask(known_as)
 
     def health(self, ask: Callable[[], Health]) -> Health:
-        """Tell of restarts, and of the emergency stop once: then it is released."""
-        self._catch_up()
+        """Return the health with the current boot id; a pressed emergency stop is reported once, then released."""
+        self._execute_late()
         health = ask()
         if self._boots:
             health = replace(health, boot_id=f"{health.boot_id}, restart {self._boots}")
         if self._pressed:
             self._pressed = False
-            return replace(health, ready=False, fault=f"emergency stop {ON_PURPOSE}", emergency_stop=True)
+            return replace(health, ready=False, fault=f"emergency stop {INJECTED}", emergency_stop=True)
         return health
 
     def stop(self, stop: Callable[[], None]) -> None:
-        """Stop, after what is late."""
-        self._catch_up()
+        """Stop, after executing the late call."""
+        self._execute_late()
         stop()
 
     def flange_pose(self, ask: Callable[[float], Pose | None], timeout: float) -> Pose | None:
-        """Ask, after what is late."""
-        self._catch_up()
+        """Ask, after executing the late call."""
+        self._execute_late()
         return ask(timeout)
 
     def position(self, ask: Callable[[], int | None]) -> int | None:
-        """Ask, after what is late."""
-        self._catch_up()
+        """Ask, after executing the late call."""
+        self._execute_late()
         return ask()
 
-    def _befall(
+    def _next_fault(
         self, name: str, command_id: str | None, timeout: float, act: Callable[[], object]
     ) -> Fault | None:
-        """Let a call fail, if it is to; return a fault that only spoils what it does."""
-        self._catch_up()
+        """Let a call fail if planned; return a fault that affects only its target or its result."""
+        self._execute_late()
         if self._pressed:
-            raise EmergencyStopError(f"the emergency stop is pressed {ON_PURPOSE}", Outcome.NOT_DONE)
+            raise EmergencyStopError(f"the emergency stop is pressed {INJECTED}", Outcome.NOT_DONE)
         self._calls[name] += 1
         number, what = self._calls[name], f"{name} {command_id or ''}"
         if command_id is not None:
-            self._known.add(command_id)
+            self._ids_since_boot.add(command_id)
         fault = self._plan.fault(name, number)
         match fault:
             case Fault.NOT_DONE:
-                raise CommandError(f"{what} was refused {ON_PURPOSE}", Outcome.NOT_DONE)
+                raise CommandError(f"{what} was rejected {INJECTED}", Outcome.NOT_DONE)
             case Fault.FULL_BIN:
-                raise CommandError(f"{what} found the bin full {ON_PURPOSE}", Outcome.NOT_DONE)
+                raise CommandError(f"{what} found the bin full {INJECTED}", Outcome.NOT_DONE)
             case Fault.LOST_ACKNOWLEDGEMENT:
                 act()
-                raise CommandError(f"{what} was not acknowledged {ON_PURPOSE}", Outcome.UNKNOWN)
+                raise CommandError(f"{what} was not acknowledged {INJECTED}", Outcome.UNKNOWN)
             case Fault.LATE:
                 self._late = None if command_id is None else self._id(command_id), act
-                raise CommandError(f"{what} did not end within {timeout:g} s {ON_PURPOSE}", Outcome.UNKNOWN)
+                raise CommandError(f"{what} did not end within {timeout:g} s {INJECTED}", Outcome.UNKNOWN)
             case Fault.EMERGENCY_STOP:
                 self._pressed = True
-                raise EmergencyStopError(f"the emergency stop was pressed {ON_PURPOSE}", Outcome.NOT_DONE)
+                raise EmergencyStopError(f"the emergency stop was pressed {INJECTED}", Outcome.NOT_DONE)
             case Fault.RESTART:
                 if self._plan.generator(name, number).random(2)[1] < 0.5:
                     act()
                 self._boots += 1
-                self._known.clear()
-                reason = f"{what} was cut off by a restart of the controller {ON_PURPOSE}"
+                self._ids_since_boot.clear()
+                reason = f"{what} was interrupted by a restart of the controller {INJECTED}"
                 raise CommandError(reason, Outcome.UNKNOWN)
         return fault
 
     def _id(self, command_id: str) -> str:
         return f"{command_id}@{self._boots}" if self._boots else command_id
 
-    def _catch_up(self) -> None:
-        """Let a late act happen: nobody waits for it any more."""
+    def _execute_late(self) -> None:
+        """Execute the call that timed out, if there is one, and ignore its result."""
         if self._late is not None:
             (_, act), self._late = self._late, None
             try:
@@ -174,7 +174,7 @@ class Faults(Layer):
             except CommandError:
                 return
 
-    def _spoilt(self, fault: Fault, scan: Scan, not_before: float) -> Scan:
+    def _faulty_scan(self, fault: Fault, scan: Scan, not_before: float) -> Scan:
         points = scan.points
         match fault:
             case Fault.STALE_SCAN:

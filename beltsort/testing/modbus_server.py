@@ -1,7 +1,7 @@
-"""A reference Modbus server: `python -m beltsort.testing.modbus_server`, with TLS if it gets `--pki FOLDER`.
+"""A reference Modbus server: `python -m beltsort.testing.modbus_server`, with TLS if `--pki FOLDER` is given.
 
-It prints one line of JSON with its address, takes an operator's buttons from standard input, and ends when
-that ends.
+It prints its address as one line of JSON, reads buttons of the operator's panel from standard input, and ends
+with standard input.
 """
 
 import ssl
@@ -30,22 +30,22 @@ ANY_UNIT = 0
 
 
 class Registers:
-    """The registers of the protocol. A request is taken in one write of all its registers, or not at all."""
+    """The registers of the protocol. A request must be written in one write of all its registers."""
 
     def __init__(self, reply: Reply) -> None:
         self._request = [0] * REQUEST_COUNT
         self._reply = encode_reply(reply)
 
     async def request(self) -> Request:
-        """Return what the client wrote last."""
+        """Return the last request that a client wrote."""
         return decode_request(self._request)
 
     async def publish(self, reply: Reply) -> None:
-        """Show the client a reply."""
+        """Publish a reply to clients."""
         self._reply = encode_reply(reply)
 
     def device(self) -> SimDevice:
-        """Return the registers as pymodbus wants them."""
+        """Return the registers as a pymodbus device."""
         request = SimData(REQUEST_AT, count=REQUEST_COUNT, datatype=DataType.REGISTERS)
         reply = SimData(REPLY_AT, count=REPLY_COUNT, datatype=DataType.REGISTERS)
         return SimDevice(ANY_UNIT, [request, reply], action=self._access)
@@ -59,7 +59,7 @@ class Registers:
         registers: list[int],
         written: list[int] | list[bool] | None,
     ) -> ExcCodes | None:
-        """Let a client read everything and write nothing but whole requests."""
+        """Allow clients to read all registers and to write complete requests only."""
         if written is None:
             registers[REPLY_AT - start : REPLY_AT - start + REPLY_COUNT] = self._reply
             return None

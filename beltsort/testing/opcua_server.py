@@ -1,7 +1,7 @@
 """A reference OPC UA server: `python -m beltsort.testing.opcua_server --pki FOLDER`.
 
-It prints one line of JSON with its endpoint, takes an operator's buttons from standard input, and ends when
-that ends.
+It prints its endpoint as one line of JSON, reads buttons of the operator's panel from standard input, and
+ends with standard input.
 """
 
 from argparse import Namespace
@@ -40,17 +40,17 @@ SECURE = [
 
 
 class TrustedPeers(UserManager):
-    """Lets in whoever opened the secure channel with a trusted certificate.
+    """Authenticates clients by the certificate of the secure channel.
 
-    asyncua's own validator looks at the certificate that a client claims in the session, which it may leave
-    out; the channel's is the one whose private key it has shown to have.
+    asyncua's own validator checks the certificate named in the session, which a client may omit; only for the
+    channel's certificate has the client proved that it has the private key.
     """
 
     def __init__(self, trust: TrustStore) -> None:
         self._trust = trust
 
     def get_user(self, *_: Any, **claims: Any) -> User | None:
-        """Return what the peer may do, or None."""
+        """Return the user of a trusted client, or None."""
         certificate = claims["certificate"]
         if certificate is None or not self._trust.validate(x509.load_der_x509_certificate(certificate)):
             return None
@@ -65,11 +65,11 @@ class Nodes:
         self._reply = reply
 
     async def request(self) -> Request | None:
-        """Return what the client wrote last, or None if it is no request."""
+        """Return the last request that a client wrote, or None if it is not a valid one."""
         return decode_request(await self._request.read_value())
 
     async def publish(self, reply: Reply) -> None:
-        """Show the client a reply; the acknowledgement comes last."""
+        """Publish a reply to clients; the node with the sequence is written last."""
         for node, value in reversed(list(zip(self._reply, encode_reply(reply), strict=True))):
             await node.write_value(value, _type_of(value))
 
@@ -79,7 +79,7 @@ def _type_of(value: Any) -> ua.VariantType:
 
 
 async def build(server: Server, reply: Reply) -> Nodes:
-    """Put the nodes on a server."""
+    """Create the nodes on a server."""
     index = await server.register_namespace(NAMESPACE)
     folder = await server.nodes.objects.add_object(f"ns={index};s={FOLDER}", FOLDER)
 
@@ -93,7 +93,7 @@ async def build(server: Server, reply: Reply) -> Nodes:
 
 
 async def secured(own: Identity) -> Server:
-    """Return a server that only trusted clients can use."""
+    """Return a server that accepts trusted clients only."""
     server = Server(user_manager=TrustedPeers(await trust_store(own.trust)))
     await server.init()
     await server.set_application_uri(application_uri(own.certificate))

@@ -1,4 +1,4 @@
-"""What the reference servers share: command line, operator's panel, and the cycle of the controller."""
+"""Shared parts of the reference servers: command line, operator's panel, and the controller's cycle."""
 
 import asyncio
 import json
@@ -13,35 +13,39 @@ from typing import Any, Protocol
 
 from beltsort.drivers.fieldbus.wire import COMMANDS, Reply, Request, Verb
 from beltsort.errors import CellError
-from beltsort.testing.controller import Controller, Machine, Mishap
+from beltsort.testing.controller import AdvanceFault, Controller, Machine
 
 CYCLE = 0.002
-"""Seconds between two looks for a request."""
+"""Interval at which requests are polled, seconds."""
 
 SLOW = 4.0
 """Seconds by which the button `slow` delays the next command."""
 
 
 class Image(Protocol):
-    """The memory that client and controller share over a fieldbus."""
+    """The process image: memory that client and controller share over a fieldbus."""
 
     async def request(self) -> Request | None:
-        """Return what the client wrote last, or None if it is no request."""
+        """Return the last request that a client wrote, or None if it is not a valid one."""
 
     async def publish(self, reply: Reply) -> None:
-        """Show the client a reply, all of it at once."""
+        """Publish a reply to clients atomically."""
 
 
 def parser(program: str, what: str) -> ArgumentParser:
     """Return a parser of the options that every reference server has."""
     arguments = ArgumentParser(prog=f"python -m {program}", description=what)
     arguments.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
-    arguments.add_argument("--port", type=int, default=0, help="0: any free one (default: %(default)s)")
-    arguments.add_argument("--pki", metavar="FOLDER", help="own key and certificate, and those trusted")
+    arguments.add_argument("--port", type=int, default=0, help="0: any free port (default: %(default)s)")
+    arguments.add_argument(
+        "--pki", metavar="FOLDER", help="folder of own key and certificate and of trusted certificates"
+    )
     arguments.add_argument(
         "--home", type=int, metavar="INDEX", help="object at the belt end (default: unknown)"
     )
-    arguments.add_argument("--bins", type=int, default=Machine.bins, help="default: %(default)s")
+    arguments.add_argument(
+        "--bins", type=int, default=Machine.bins, help="number of bins (default: %(default)s)"
+    )
     arguments.add_argument(
         "--capacity", type=int, default=Machine.capacity, help="objects per bin (default: %(default)s)"
     )
@@ -59,17 +63,17 @@ def free_port(arguments: Namespace) -> int:
 
 
 class Panel:
-    """The controller behind its operator's panel, which also plays tricks on tests.
+    """A controller with its operator's panel, whose buttons also inject faults.
 
     Parameters
     ----------
     arguments
-        Of the command line (`parser`).
+        Arguments of `parser`.
 
     Attributes
     ----------
     boot
-        Changes with every start.
+        Boot id, drawn at random.
     """
 
     def __init__(self, arguments: Namespace) -> None:
@@ -83,12 +87,12 @@ class Panel:
         self._controller = Controller(machine, self.boot, time.monotonic)
         if arguments.home is not None:
             self._controller.home(arguments.home)
-        self._losing = False
+        self._lose_next = False
         self._buttons: dict[str, Callable[[], object]] = {
             "press": self._controller.press,
             "release": self._controller.release,
-            "stick": lambda: self._controller.suffer(Mishap.STUCK),
-            "overshoot": lambda: self._controller.suffer(Mishap.OVERSHOT),
+            "stick": lambda: self._controller.inject(AdvanceFault.STUCK),
+            "overshoot": lambda: self._controller.inject(AdvanceFault.OVERSHOT),
             "slow": lambda: self._controller.delay(SLOW),
             "fill": self._controller.fill,
             "empty": self._controller.empty,
@@ -97,7 +101,7 @@ class Panel:
         }
 
     def push(self, button: str) -> dict[str, object]:
-        """Push a button; return what the panel shows then."""
+        """Push a button; return the state that the panel then shows."""
         if button not in self._buttons:
             return {"error": f"button is {button!r}, expected one of {', '.join(self._buttons)}"}
         self._buttons[button]()
@@ -105,7 +109,7 @@ class Panel:
         return {"button": button, "position": reply.position, "bins": reply.bins, "ready": reply.ready}
 
     def shown(self) -> Reply:
-        """Return the controller's state as a client finds it before it has asked anything."""
+        """Return the controller's state as a reply to no request."""
         return self._controller.answer(Request(self._controller.sequence, Verb.LOOK))
 
     async def cycle(self, image: Image) -> None:
@@ -115,19 +119,15 @@ class Panel:
             request = await image.request()
             if request is not None and self._controller.is_new(request):
                 reply = self._controller.answer(request)
-                if not self._loses(request):
+                if self._lose_next and request.verb in COMMANDS:
+                    self._lose_next = False
+                else:
                     await image.publish(reply)
             await asyncio.sleep(CYCLE)
 
     def _lose(self) -> None:
-        """Act on the next command without acknowledging it."""
-        self._losing = True
-
-    def _loses(self, request: Request) -> bool:
-        if not self._losing or request.verb not in COMMANDS:
-            return False
-        self._losing = False
-        return True
+        """Execute the next command without acknowledging it."""
+        self._lose_next = True
 
 
 async def serve(image: Image, panel: Panel, announcement: dict[str, object]) -> None:
@@ -139,14 +139,14 @@ async def serve(image: Image, panel: Panel, announcement: dict[str, object]) -> 
     loop, ended = asyncio.get_running_loop(), asyncio.Event()
 
     def push(button: str) -> None:
-        _say(panel.push(button))
+        _print_json(panel.push(button))
 
     def read_panel() -> None:
         for line in sys.stdin:
             loop.call_soon_threadsafe(push, line.strip())
         loop.call_soon_threadsafe(ended.set)
 
-    _say({**announcement, "boot_id": f"{panel.boot:08x}"})
+    _print_json({**announcement, "boot_id": f"{panel.boot:08x}"})
     Thread(target=read_panel, daemon=True).start()
     until = asyncio.create_task(ended.wait())
     await asyncio.wait([cycle, until], return_when=asyncio.FIRST_COMPLETED)
@@ -155,12 +155,12 @@ async def serve(image: Image, panel: Panel, announcement: dict[str, object]) -> 
 
 
 def run(main: Coroutine[Any, Any, None]) -> None:
-    """Run a server; what it cannot do ends it with one line."""
+    """Run a server; a `CellError` ends it with one line."""
     try:
         asyncio.run(main)
     except CellError as failure:
         raise SystemExit(str(failure)) from failure
 
 
-def _say(line: dict[str, object]) -> None:
+def _print_json(line: dict[str, object]) -> None:
     print(json.dumps(line), flush=True)

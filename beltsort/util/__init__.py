@@ -1,1 +1,1 @@
-"""Small things that any other part may use."""
+"""Utilities: process pools, a key-value log, names, random numbers, text."""

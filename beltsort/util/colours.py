@@ -1,5 +1,5 @@
 """Colours and markers of figures."""
 
-# Okabe & Ito's palette: told apart by colour-blind readers too; markers tell classes apart in grey.
+# Okabe & Ito's palette, distinguishable with colour blindness; markers distinguish classes in greyscale.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")

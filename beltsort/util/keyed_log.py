@@ -1,7 +1,7 @@
-"""Values by key, kept on the disk as soon as they are known.
+"""A durable key-value log for resumable work.
 
-One SQLite file. A key's value is written once, whole or not at all: work that was killed goes on where it
-stopped, and does nothing twice.
+The log is one SQLite file. Each value is written atomically and only once, so that interrupted work can be
+resumed without repeating what is done.
 """
 
 import json
@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Self
 from beltsort._core import BeltsortError
 
 VERSION = 1
-ATTEMPTS = 20  # at a file that others are making
+ATTEMPTS = 20  # to open a file that another process is creating
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS settings (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS {table}
@@ -24,19 +24,19 @@ CREATE TABLE IF NOT EXISTS {table}
 
 
 class KeyedLog:
-    """Plain data by key; a kind of log is a subclass that says what its errors speak of.
+    """A log of plain data by key. Subclasses set the names used in error messages.
 
     Parameters
     ----------
     path
-        The file, made if it is missing; None keeps the values in memory only.
+        The file, created if it is missing; None keeps the values in memory only.
     settings
-        What the values depend on beside the key: a log never mixes values of different settings.
+        Settings on which all values depend. A log with other settings is rejected.
 
     Raises
     ------
     BeltsortError
-        Of the kind `error`, if the file cannot be read or written, is no such log, or has other settings.
+        An `error`, if the file cannot be read or written, is not such a log, or has other settings.
 
     Examples
     --------
@@ -62,14 +62,14 @@ class KeyedLog:
             self._check({"version": str(VERSION), **(settings or {})})
 
     def append(self, values: Mapping[str, Any]) -> None:
-        """Write values; all are on the disk when this returns. A key that is there keeps its value."""
+        """Write values durably. Keys that exist already keep their values."""
         rows = [(key, json.dumps(value)) for key, value in values.items()]
         with self._failing_as("written"), self._database:
             self._database.execute("BEGIN IMMEDIATE")
             self._database.executemany(f"INSERT OR IGNORE INTO {self.table} VALUES (?, ?)", rows)
 
     def values(self) -> dict[str, Any]:
-        """Return all values, in the order in which they were written."""
+        """Return all values by key, in the order in which they were written."""
         with self._failing_as("read"):
             rows = self._database.execute(f"SELECT * FROM {self.table} ORDER BY rowid").fetchall()
             return {key: json.loads(value) for key, value in rows}
@@ -89,9 +89,10 @@ class KeyedLog:
         self.close()
 
     def _write_ahead(self) -> None:
-        """Use a write-ahead log; a new file that another process is making is waited for.
+        """Enable the write-ahead log, waiting for another process that is creating the file.
 
-        Transactions wait for a lock, as long as `sqlite3.connect` says; this pragma does not.
+        Transactions wait for a lock until the timeout of `sqlite3.connect`; this pragma does not, so the wait
+        is an empty transaction.
         """
         for _ in range(ATTEMPTS):
             try:
@@ -102,10 +103,10 @@ class KeyedLog:
                     raise
             self._database.execute("BEGIN IMMEDIATE")
             self._database.execute("COMMIT")
-        raise sqlite3.OperationalError("others keep it locked")
+        raise sqlite3.OperationalError("it is locked by another process")
 
     def _check(self, settings: Mapping[str, str]) -> None:
-        """Write the settings into a new log, compare them with those of an old one."""
+        """Write the settings to a new log, or compare them with those of an existing one."""
         rows = list(settings.items())
         with self._database:
             self._database.execute("BEGIN IMMEDIATE")

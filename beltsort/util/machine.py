@@ -1,4 +1,4 @@
-"""The machine that this process runs on."""
+"""Properties of the machine."""
 
 import os
 import platform
@@ -7,14 +7,14 @@ from pathlib import Path
 
 
 def processors() -> int:
-    """Count the processors that this process may use."""
+    """Return the number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def processor_name(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
-    """Return the processor's model where the system tells it, else its architecture."""
+    """Return the processor's model if it is known, otherwise its architecture."""
     try:
         lines = cpuinfo.read_text().splitlines()
     except OSError:
@@ -25,7 +25,7 @@ def processor_name(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
 
 def peak_memory() -> int:
     """Return the largest resident memory of this process so far, in bytes."""
-    import resource  # POSIX only, and this module serves every command
+    import resource  # POSIX only; every command imports this module
 
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak if sys.platform == "darwin" else peak * 1024

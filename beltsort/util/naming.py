@@ -1,4 +1,4 @@
-"""Names that users write: found, or answered with the nearest one."""
+"""Look-up of names, with suggestions for unknown ones."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -7,16 +7,16 @@ from beltsort._core import ArgumentError
 
 
 def index_of(text: str, names: Sequence[str], what: str) -> int:
-    """Find a name, or a number in its place.
+    """Return the index of a name, given as the name or the index.
 
     Parameters
     ----------
     text
-        What the user wrote.
+        A name, or a decimal index.
     names
-        The names that there are.
+        The known names.
     what
-        What they name, for the message.
+        The kind of name, for the error message.
 
     Returns
     -------
@@ -26,7 +26,7 @@ def index_of(text: str, names: Sequence[str], what: str) -> int:
     Raises
     ------
     ArgumentError
-        Listing the names, the nearest one first, if `text` is none of them and no index either.
+        If `text` is neither a known name nor an index; the message suggests the nearest name.
     """
     if text in names:
         return names.index(text)
@@ -36,6 +36,6 @@ def index_of(text: str, names: Sequence[str], what: str) -> int:
 
 
 def nearest_of(text: str, names: Sequence[str]) -> str:
-    """Say which names there are, and which one was probably meant."""
+    """Return a message that suggests the nearest name and lists all names."""
     (nearest,) = get_close_matches(text, names, n=1, cutoff=0.0)
     return f"did you mean {nearest!r}? Known: {', '.join(names)}"

@@ -1,4 +1,4 @@
-"""Work shared among processes."""
+"""Process pools."""
 
 import os
 import signal
@@ -29,19 +29,19 @@ def at_least_one(name: str, number: int) -> int:
 def in_processes(
     task: Callable[[Work], Result], work: Sequence[Work], workers: int | None, progress: Progress | None
 ) -> Iterator[Result]:
-    """Yield the results in the order of the work, each as soon as those before it are there.
+    """Yield the results of a task in the order of the work items, as they become available.
 
     Parameters
     ----------
     task
-        What is done with each piece of work; it and its results are pickled on their way.
+        Function of a work item; it, the items and the results must be picklable.
     work
-        The pieces.
+        The work items.
     workers
-        Processes, at least 1; default one for each core that this process may use. With 1 the work is done in
-        this process.
+        Number of processes, at least 1; default one for each core that this process may use. With 1 the work
+        is done in this process.
     progress
-        Called with the number of pieces done and in all.
+        Called with the number of items done and the total number.
 
     Raises
     ------
@@ -61,9 +61,9 @@ def in_processes(
 def as_they_finish(
     task: Callable[[Work], Result], work: Sequence[Work], workers: int | None = None
 ) -> Generator[tuple[int, Result], None, None]:
-    """Yield the number of each piece of work and its result, as soon as it is done.
+    """Yield the index of each work item and its result, in the order of completion.
 
-    A generator that is closed, by an error or Ctrl-C too, ends its processes at once.
+    Closing the generator terminates its processes at once, also on an error or Ctrl-C.
 
     Parameters
     ----------
@@ -86,44 +86,47 @@ def as_they_finish(
 
 
 def _number_of(workers: int | None, work: Sequence[Work]) -> int:
-    """Return how many processes are of use."""
+    """Return the number of processes, at most one for each work item."""
     wanted = processors() if workers is None else at_least_one("workers", workers)
     return max(1, min(wanted, len(work)))
 
 
 @contextmanager
 def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """Yield a pool of spawned processes (Open3D hangs in forked ones), which any error ends at once."""
-    leash, held = Pipe(duplex=False)
+    """Yield a pool of spawned processes (Open3D hangs in forked ones), terminated at once on any error.
+
+    Workers exit when the other end of their pipe is closed, by this process or by its death.
+    """
+    watched, kept = Pipe(duplex=False)
     pool = ProcessPoolExecutor(
-        workers, mp_context=get_context("spawn"), initializer=_on_leash, initargs=(leash,)
+        workers, mp_context=get_context("spawn"), initializer=_initialize, initargs=(watched,)
     )
     try:
         yield pool
     except BrokenProcessPool:
         raise BeltsortError(
-            f"a worker process died, expected {workers} to live: if memory ran out, give fewer workers; "
+            f"a worker process died, expected {workers} to run: if memory ran out, give fewer workers; "
             'a script must guard its main module by `if __name__ == "__main__":`'
         ) from None
     except BaseException:
-        held.close()
+        kept.close()
         raise
     finally:
         pool.shutdown(cancel_futures=True)
-        leash.close()
-        held.close()
+        watched.close()
+        kept.close()
 
 
-def _on_leash(leash: Connection) -> None:
-    """Leave Ctrl-C to the parent process, but do not outlive the other end of the leash, nor the parent."""
+def _initialize(watched: Connection) -> None:
+    """Leave Ctrl-C to the parent process, and exit when the parent ends or closes its end of the pipe."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_end_with, args=(leash,), daemon=True).start()
 
+    def exit_with_parent() -> None:
+        parent = parent_process()
+        wait([watched] if parent is None else [watched, parent.sentinel])
+        os._exit(1)
 
-def _end_with(leash: Connection) -> None:
-    parent = parent_process()
-    wait([leash] if parent is None else [leash, parent.sentinel])
-    os._exit(1)
+    Thread(target=exit_with_parent, daemon=True).start()
 
 
 def _reported(results: Iterator[Result], total: int, progress: Progress | None) -> Iterator[Result]:

@@ -1,11 +1,11 @@
-"""Results and messages as plain text and as JSON."""
+"""Formatting of results as plain text and JSON."""
 
 import math
 from collections.abc import Mapping, Sequence
 
 
 def text_table(rows: Sequence[Sequence[str]]) -> str:
-    """Lay out rows in columns, the first one flush left."""
+    """Return rows as aligned columns, the first one left-aligned, the others right-aligned."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
     for row in rows:
@@ -15,10 +15,10 @@ def text_table(rows: Sequence[Sequence[str]]) -> str:
 
 
 def number_or_none(value: float) -> float | None:
-    """Return the number, or None where JSON has no way to write it."""
+    """Return the number, or None if it is not finite, which JSON cannot represent."""
     return value if math.isfinite(value) else None
 
 
 def numbers_or_none(numbers: Mapping[str, float]) -> dict[str, float | None]:
-    """Do the same for named numbers."""
+    """Apply `number_or_none` to the values of a mapping."""
     return {name: number_or_none(value) for name, value in numbers.items()}

@@ -124,7 +124,7 @@ def test_a_fault_depends_on_seed_command_and_number_alone(seed: int, command: st
     fault = plan.fault(command, number)
     plan.fault(command, number + 1)
     assert FaultPlan(seed, dict.fromkeys(Fault, 0.1)).fault(command, number) == fault
-    assert fault is None or command in fault.befalls
+    assert fault is None or command in fault.affected
 
 
 def test_faults_come_at_their_rates() -> None:
@@ -140,8 +140,8 @@ def test_a_schedule_comes_before_the_rates() -> None:
     assert [plan.fault("sort", number) for number in (2, 3)] == [Fault.NOT_DONE, Fault.FULL_BIN]
 
 
-def test_every_kind_befalls_some_command() -> None:
-    assert all(set(kind.befalls) <= set(COMMANDS) and kind.befalls for kind in Fault)
+def test_every_kind_affects_some_command() -> None:
+    assert all(set(kind.affected) <= set(COMMANDS) and kind.affected for kind in Fault)
 
 
 class Press:

@@ -27,10 +27,10 @@ def test_a_scan_tells_labels_and_findings() -> None:
 
 
 def test_a_sort_tells_the_bin_by_name_and_number() -> None:
-    narrator, sort = Narrator(), Command("a-sort-1", SortInto(1), "boot")
-    line = narrator.line(Entry(1, "", 7, Intended(sort, "livarno", 3)))
+    formatter, sort = EntryFormatter(), Command("a-sort-1", SortInto(1), "boot")
+    line = formatter.format(Entry(1, "", 7, Intended(sort, "livarno", 3)))
     assert line == 'object  7  into bin "livarno" (3)'
-    again = narrator.line(Entry(2, "", 7, Intended(sort.again("boot"), "livarno", 3)))
+    again = formatter.format(Entry(2, "", 7, Intended(sort.again("boot"), "livarno", 3)))
     assert again == f"{line}, attempt 2"
-    assert narrator.line(Entry(3, "", 7, Intended(sort))) is None, "an older version did not tell the bin"
-    assert narrator.line(Entry(4, "", 7, Intended(Command("a-move-2", MoveTo(1), "boot")))) is None
+    assert formatter.format(Entry(3, "", 7, Intended(sort))) is None, "an older version did not tell the bin"
+    assert formatter.format(Entry(4, "", 7, Intended(Command("a-move-2", MoveTo(1), "boot")))) is None

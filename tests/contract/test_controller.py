@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from beltsort.cell.protocols import NOWHERE
 from beltsort.drivers.fieldbus.wire import COMMANDS, Phase, Reason, Reply, Request, Verb, following
-from beltsort.testing.controller import Controller, Machine, Mishap
+from beltsort.testing.controller import AdvanceFault, Controller, Machine
 from tests.laws import cases
 
 MACHINE = Machine(bins=3, capacity=4, advance_seconds=1.0, sort_seconds=1.0, memory=1000)
@@ -135,7 +135,7 @@ def test_a_command_that_was_broken_off_never_acts_again() -> None:
 
 def test_a_fault_lasts_until_somebody_has_looked() -> None:
     rig = Rig()
-    rig.controller.suffer(Mishap.OVERSHOT)
+    rig.controller.inject(AdvanceFault.OVERSHOT)
     rig.ask(Verb.ADVANCE, 1, key=1)
     rig.time += 1.0
     assert rig.ask(Verb.RECALL, key=1).reason is Reason.OVERSHOT

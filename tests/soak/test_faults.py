@@ -47,7 +47,7 @@ class OneOfEveryHundred(FaultPlan):
         rng = self.generator(command, hundred)
         if rng.integers(HUNDRED) != place:
             return None
-        kinds = [kind for kind in Fault if command in kind.befalls]
+        kinds = [kind for kind in Fault if command in kind.affected]
         turn, among = divmod(hundred, len(kinds))
         kind = Fault(self.generator(command, 10**6 + turn).permutation(kinds)[among])
         self.befallen[kind] += 1
