@@ -1,1 +1,1 @@
-"""Devices of real cells: over a fieldbus, over ROS, and played back from recordings."""
+"""Drivers for real devices: over a fieldbus, over ROS 1, and playback of recordings."""

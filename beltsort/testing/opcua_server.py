@@ -16,8 +16,8 @@ from asyncua.server.server import Server
 from asyncua.server.user_managers import UserManager
 from cryptography import x509
 
-from beltsort.drivers.fieldbus.loopback import check_loopback
 from beltsort.drivers.fieldbus.pki import Identity, application_uri, identity
+from beltsort.drivers.fieldbus.security import check_loopback
 from beltsort.drivers.fieldbus.wire import Reply, Request, Verb
 from beltsort.drivers.opcua.nodes import (
     FOLDER,

@@ -1,7 +1,7 @@
-"""A controller of belt and sorter: what is said to it (`wire`, `docs/fieldbus.md`), and the client's side.
+"""The protocol of a controller of belt and sorter (`wire`, docs/fieldbus.md), and its client.
 
-The client is `device`, over a `link`; `beltsort.drivers.opcua` and `beltsort.drivers.modbus` have one each.
-The controller's side, to copy and to test against, is `beltsort.testing.controller`.
+The client is `device.FieldbusDevice`. It uses a `link.Link`, which `beltsort.drivers.opcua` and
+`beltsort.drivers.modbus` implement. The controller's side is `beltsort.testing.controller`.
 """
 
 from beltsort.drivers.fieldbus.device import FieldbusDevice

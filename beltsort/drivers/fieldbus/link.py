@@ -1,4 +1,4 @@
-"""One connection to a controller, and how a request crosses it."""
+"""One connection to a controller, and the exchange of requests and replies over it."""
 
 import time
 from importlib.util import find_spec
@@ -8,28 +8,28 @@ from beltsort.drivers.fieldbus.wire import GarbageError, Reply, Request, Verb, f
 from beltsort.errors import CellError
 
 ACKNOWLEDGE_POLL = 0.002
-"""Seconds between two looks for an acknowledgement."""
+"""Interval at which an acknowledgement is polled, seconds."""
 
 
 class Link(Protocol):
-    """A connection. Its methods raise whatever its driver raises, and it is then never used again."""
+    """A connection, unusable after any exception of the fieldbus library, which its methods raise."""
 
     def write(self, request: Request) -> None:
-        """Write a request, all of it at once."""
+        """Write a request atomically."""
 
     def read(self) -> Reply:
-        """Read the latest reply, all of it at once. Raises `GarbageError` if it is none."""
+        """Read the latest reply atomically. Raises `GarbageError` if it is invalid."""
 
     def close(self) -> None:
-        """Give the connection up without waiting for the other side."""
+        """Close the connection without waiting for the other side."""
 
 
 class LinkError(CellError):
     """The controller did not answer as the protocol says."""
 
 
-class Order(NamedTuple):
-    """A request without its number."""
+class RequestBody(NamedTuple):
+    """A request without its sequence number."""
 
     verb: Verb
     target: int = 0
@@ -37,23 +37,23 @@ class Order(NamedTuple):
 
 
 class Conversation:
-    """Numbers requests and waits for their replies.
+    """Assigns sequence numbers to requests and waits for their replies.
 
-    It goes on behind the last number that was answered or sent, and leaves one out: the request of that
-    number may have acted unanswered. What an earlier connection still delivers is then behind, and ignored,
-    as soon as anything here was answered.
+    Numbering continues after the last number that was answered or sent, skipping one, since the request with
+    that number may have been executed without a reply. Once a request has been answered, requests that an
+    earlier connection delivers late are out of date, and the controller ignores them.
 
     Parameters
     ----------
     link
-        Over which they go.
+        The connection.
     sent
-        The last number that this program sent over an earlier connection, if any.
+        The last sequence number that this program sent over an earlier connection, if any.
 
     Attributes
     ----------
     sequence
-        The last number sent.
+        The last sequence number sent.
     """
 
     def __init__(self, link: Link, sent: int | None) -> None:
@@ -61,37 +61,37 @@ class Conversation:
         self._link = link
         self.sequence = following(sent if sent is not None and is_ahead(sent, of=answered) else answered)
 
-    def ask(self, order: Order, seconds: float) -> Reply:
+    def ask(self, body: RequestBody, seconds: float) -> Reply:
         """Write a request and return its reply.
 
         Raises
         ------
         LinkError
-            If the controller acknowledges nothing within `seconds`, or somebody else's request.
+            If the controller does not acknowledge the request within `seconds`, or replies to another one.
         """
         end = time.monotonic() + seconds
         self.sequence = following(self.sequence)
-        self._link.write(Request(self.sequence, *order))
+        self._link.write(Request(self.sequence, *body))
         while (reply := self._reply()) is None:
             if time.monotonic() > end:
                 raise LinkError(
                     f"the controller acknowledged request {_answered(self._link)}, expected {self.sequence} "
-                    f"within {seconds:g} s; see whether its program runs, and whether another one commands it"
+                    f"within {seconds:g} s; check that its program runs, and that no other client commands it"
                 )
             time.sleep(ACKNOWLEDGE_POLL)
-        if (reply.verb, reply.key) != (order.verb, order.key):
+        if (reply.verb, reply.key) != (body.verb, body.key):
             raise LinkError(
                 f"request {self.sequence} was answered as verb {reply.verb} for key {reply.key}, expected "
-                f"{int(order.verb)} for {order.key}; let only one program command a controller"
+                f"{int(body.verb)} for {body.key}; make sure that only one client commands the controller"
             )
         return reply
 
     def close(self) -> None:
-        """Give the connection up."""
+        """Close the connection."""
         self._link.close()
 
     def _reply(self) -> Reply | None:
-        """Return the reply to the last request, or None while an earlier one stands there, garbage or not."""
+        """Return the reply to the last request, or None if it is not there yet."""
         try:
             reply = self._link.read()
         except GarbageError as garbage:
@@ -102,7 +102,7 @@ class Conversation:
 
 
 def _answered(link: Link) -> int:
-    """Return the sequence of the latest reply. The rest may be garbage from before the controller ran."""
+    """Return the sequence of the latest reply, whose other values may predate the controller's program."""
     try:
         return link.read().sequence
     except GarbageError as garbage:
@@ -110,12 +110,12 @@ def _answered(link: Link) -> int:
 
 
 def require(package: str, extra: str) -> None:
-    """Refuse to go on without an optional package.
+    """Check that an optional package is installed.
 
     Raises
     ------
     CellError
-        That says how to install it.
+        If it is not; the message tells how to install it.
     """
     if find_spec(package) is None:
         raise CellError(

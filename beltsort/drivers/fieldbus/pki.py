@@ -1,4 +1,4 @@
-"""Keys and certificates of a client or a controller, made where they are needed."""
+"""Creation of keys and self-signed certificates for a client or a controller."""
 
 import os
 from argparse import ArgumentParser
@@ -21,14 +21,14 @@ VALIDITY = timedelta(days=3650)
 
 @dataclass(frozen=True)
 class Identity:
-    """Who a client or a controller is, and whom it trusts.
+    """Key and certificate of a client or a controller, and its trusted certificates.
 
     Attributes
     ----------
     certificate, private_key
         PEM files.
     trust
-        Folder of the certificates that it trusts.
+        Folder of trusted certificates.
     """
 
     certificate: Path
@@ -36,23 +36,23 @@ class Identity:
     trust: Path
 
     def admit(self, other: "Identity") -> None:
-        """Put the other's certificate among the trusted ones."""
+        """Add the other's certificate to the trusted ones."""
         name = f"{other.certificate.parent.name}.pem"
         (self.trust / name).write_bytes(other.certificate.read_bytes())
 
 
 def identity(folder: Path, hosts: Sequence[str] = ()) -> Identity:
-    """Return the identity that lives in a folder; make it if there is none.
+    """Return the identity stored in a folder; create it if there is none.
 
-    A self-signed RSA certificate, good for OPC UA and for TLS, as client and as server. Only its owner can
-    read the key.
+    The certificate is a self-signed RSA certificate for OPC UA and TLS, clients and servers. The key file is
+    readable by its owner only.
 
     Parameters
     ----------
     folder
-        Its name becomes the certificate's; `certificate.pem`, `key.pem` and `trusted` are in it.
+        Folder of `certificate.pem`, `key.pem` and `trusted`; its name becomes the certificate's common name.
     hosts
-        Names and addresses under which clients reach it, besides this computer's own name and its loopback.
+        Names and addresses of a server, in addition to this computer's name and the loopback.
     """
     own = Identity(folder / "certificate.pem", folder / "key.pem", folder / "trusted")
     own.trust.mkdir(parents=True, exist_ok=True)
@@ -64,7 +64,7 @@ def identity(folder: Path, hosts: Sequence[str] = ()) -> Identity:
 
 
 def application_uri(certificate: Path) -> str:
-    """Return the URI under which a certificate's owner is known to OPC UA."""
+    """Return the OPC UA application URI in a certificate."""
     loaded = x509.load_pem_x509_certificate(certificate.read_bytes())
     names = loaded.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     return names.get_values_for_type(x509.UniformResourceIdentifier)[0]
@@ -95,7 +95,7 @@ def _certificate(key: rsa.RSAPrivateKey, name: str, hosts: Sequence[str]) -> byt
 def _extensions(
     key: rsa.RSAPrivateKey, name: str, hosts: Sequence[str]
 ) -> list[tuple[x509.ExtensionType, bool]]:
-    """Return what OPC UA (part 6, 6.2.2) and TLS want to see in a self-signed certificate."""
+    """Return the extensions that OPC UA (part 6, 6.2.2) and TLS require in a self-signed certificate."""
     own_key = x509.SubjectKeyIdentifier.from_public_key(key.public_key())
     usage = x509.KeyUsage(
         digital_signature=True,
@@ -128,9 +128,11 @@ def _general_name(host: str) -> x509.GeneralName:
 
 if __name__ == "__main__":
     arguments = ArgumentParser(
-        prog="python -m beltsort.drivers.fieldbus.pki", description="Make an identity."
+        prog="python -m beltsort.drivers.fieldbus.pki",
+        description="Create a key and a self-signed certificate in a folder, unless they exist; print the "
+        "certificate's path.",
     )
-    arguments.add_argument("folder", type=Path)
+    arguments.add_argument("folder", type=Path, help="folder, whose name becomes the certificate's")
     arguments.add_argument("hosts", nargs="*", help="names and addresses of a server")
     chosen = arguments.parse_args()
     print(identity(chosen.folder, chosen.hosts).certificate)

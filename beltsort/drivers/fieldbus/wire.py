@@ -1,6 +1,6 @@
-"""What client and controller say to each other, over whatever fieldbus: one request, one reply.
+"""Requests and replies of the protocol between client and controller, independent of the fieldbus.
 
-`docs/fieldbus.md` specifies the protocol; the numbers here are its numbers.
+`docs/fieldbus.md` specifies the protocol and its numbers.
 """
 
 from collections.abc import Sequence
@@ -13,10 +13,10 @@ from beltsort.cell.protocols import NOWHERE
 from beltsort.errors import CellError
 
 MEMORY = 1000
-"""Commands that a controller remembers."""
+"""Number of commands that a controller must remember."""
 
 MAX_BINS = 32
-"""Bins that a controller can count."""
+"""Largest number of bins in a reply."""
 
 READY, EMERGENCY_STOP = 1, 2
 """Flags of a reply."""
@@ -26,39 +26,39 @@ SEQUENCES = 1 << 16
 
 
 class Verb(IntEnum):
-    """What a request asks for."""
+    """The operation that a request asks for."""
 
     LOOK = 0
-    """Only a fresh reply."""
+    """Return the state."""
     ADVANCE = 1
     """Bring object `target` to the belt end."""
     SORT = 2
     """Put the object at the belt end into bin `target`."""
     RECALL = 3
-    """Tell what became of the command `key`."""
+    """Return the outcome of the command `key`."""
     STOP = 4
     """End every motion."""
     HOME = 5
-    """Somebody has looked: object `target` is at the belt end, and faults are cleared."""
+    """Set object `target` as the one at the belt end, as checked by an operator, and clear faults."""
 
 
 COMMANDS = (Verb.ADVANCE, Verb.SORT)
-"""Verbs that act, once per key."""
+"""Verbs that move something, and are executed once per key."""
 
 
 class Phase(IntEnum):
-    """What became of a command."""
+    """The state of a command."""
 
     FORGOTTEN = 0
     """The controller does not remember it."""
     RUNNING = 1
-    """It acts."""
+    """It is running."""
     DONE = 2
-    """It acted, once."""
+    """It was executed."""
     NOT_DONE = 3
     """Nothing moved; the same id may be used again."""
     BROKEN_OFF = 4
-    """It began and did not end as it should; the same id never acts again."""
+    """It started and did not end as it should; the same id is never executed again."""
 
 
 OUTCOMES = {
@@ -71,7 +71,7 @@ OUTCOMES = {
 
 
 class Reason(IntEnum):
-    """Why a command was not done, was broken off, or why the controller is not ready."""
+    """Reason why a command was not done or was broken off, or why the controller is not ready."""
 
     NONE = 0
     EMERGENCY_STOP = 1
@@ -90,22 +90,22 @@ class Reason(IntEnum):
 
 
 NEED_HOME = frozenset({Reason.NOT_HOMED, Reason.STUCK, Reason.OVERSHOT})
-"""Faults that only `HOME` clears, after somebody has looked."""
+"""Faults that only `HOME` clears, after an operator has checked the belt."""
 
-HOMING = "look, and home it (beltsort home)"
+HOMING = "check which object is at the belt end, and home the belt (beltsort home)"
 
 EXPLANATIONS: dict[int, str] = {
     Reason.NONE: "it gives no reason",
     Reason.EMERGENCY_STOP: "the emergency stop is pressed; release it at the machine",
     Reason.NOT_HOMED: f"the controller does not know which object is at the belt end; {HOMING}",
-    Reason.BUSY: "another command still acts; wait for it, or stop it",
+    Reason.BUSY: "another command is still running; wait for it, or stop it",
     Reason.BACKWARDS: "the belt moves forward only",
     Reason.OTHER_COMMAND: "its id belongs to another command or target; give every command its own id",
     Reason.NO_SUCH_BIN: "the controller has no such bin",
     Reason.BIN_FULL: "the bin is full; empty it",
     Reason.ALREADY_SORTED: "the object at the belt end was sorted already; advance first",
     Reason.BETWEEN_OBJECTS: "the belt stands between two objects; advance first",
-    Reason.STOPPED: "it was stopped on the way; look what became of it",
+    Reason.STOPPED: "it was stopped during execution; check the cell",
     Reason.STUCK: f"the belt did not move; free it, {HOMING}",
     Reason.OVERSHOT: f"the belt went too far; {HOMING}",
     Reason.NO_SUCH_VERB: "the controller does not know this verb; compare versions of the protocol",
@@ -114,18 +114,18 @@ EXPLANATIONS: dict[int, str] = {
 
 @dataclass(frozen=True)
 class Request:
-    """What the client writes, all of it at once.
+    """A request of the client, written atomically.
 
     Attributes
     ----------
     sequence
-        The controller acts on a request only if its number is ahead of the last one's (`is_ahead`).
+        Sequence number. A request is executed only if its number is ahead of the last one's (`is_ahead`).
     verb
         A `Verb`.
     target
         Object number or bin.
     key
-        `key_of` the command id; 0 for requests that are about no command.
+        `key_of` the command id; 0 for requests that do not refer to a command.
     """
 
     sequence: int
@@ -136,30 +136,30 @@ class Request:
 
 @dataclass(frozen=True)
 class Reply:
-    """What the controller writes, all of it at once.
+    """A reply of the controller, written atomically.
 
     Attributes
     ----------
     sequence, verb, key
-        Those of the request that is answered.
+        Those of the request.
     phase, reason
-        What became of the command `key`, and why: a `Reason`, or the controller's own number from 100 on.
+        State of the command `key`, and the reason: a `Reason`, or a device-specific number from 100 on.
     age
-        Milliseconds since the command ended; 0 while it acts.
+        Milliseconds since the command ended; 0 while it is running.
     boot
-        Drawn anew whenever the controller starts; above 0.
+        Boot id, above 0; a new random number whenever the controller starts.
     position
         Number of the object at the belt end, or `NOWHERE`.
     remembered, forgotten
-        Commands in memory, and commands that had to make room since the controller started.
+        Number of commands in memory, and of those removed from memory since the controller started.
     ready
-        Whether the controller takes commands.
+        Whether the controller accepts commands.
     emergency_stop
         Whether the emergency stop is pressed.
     fault
-        Like `reason`; 0 if there is none.
+        Reason why the controller is not ready; 0 if there is none.
     bins
-        Objects in each bin.
+        Number of objects in each bin.
     """
 
     sequence: int
@@ -179,24 +179,24 @@ class Reply:
 
 
 class GarbageError(CellError):
-    """What stands where the controller's reply should is none.
+    """The controller's reply contains an invalid value.
 
     Parameters
     ----------
     field
-        Where the value stands that no reply has.
+        Name of the invalid field.
     value
-        That value.
+        Its value.
     expected
-        What it should be.
+        The expected values.
     sequence
-        Of the reply, if it is one.
+        Sequence of the reply.
     """
 
     def __init__(self, field: str, value: object, expected: str, sequence: int) -> None:
         self.sequence = sequence
         super().__init__(
-            f"the controller's reply is garbage: {field} is {value}, expected {expected}; see whether its "
+            f"the controller's reply is garbage: {field} is {value}, expected {expected}; check that its "
             "program runs, and compare it with docs/fieldbus.md"
         )
 
@@ -217,17 +217,17 @@ def checked(
     fault: int,
     bins: Sequence[int],
 ) -> Reply:
-    """Return the reply that was read, if it is one.
+    """Return a reply after validating its values.
 
     Parameters
     ----------
     flags
-        `READY` and `EMERGENCY_STOP`, added up.
+        Bitwise or of `READY` and `EMERGENCY_STOP`.
 
     Raises
     ------
     GarbageError
-        If a value is none that a reply can hold.
+        If a value is out of its range.
     """
     limits = {
         "phase": (phase, 0, len(Phase) - 1),
@@ -261,9 +261,9 @@ def checked(
 
 
 def key_of(command_id: str) -> int:
-    """Return the number that stands for a command id on the wire, from 1 to 2^63 - 1.
+    """Return the key of a command id, a hash from 1 to 2^63 - 1.
 
-    Two ids among a million get the same number with a probability of 5e-8.
+    The probability that any two of a million ids have the same key is 5e-8.
 
     Examples
     --------
@@ -282,7 +282,7 @@ def following(sequence: int) -> int:
 
 
 def is_ahead(sequence: int, of: int) -> bool:
-    """Tell whether a sequence number is later than another: by less than half of all numbers.
+    """Return whether a sequence number is ahead of another by less than half the range.
 
     Examples
     --------
@@ -293,6 +293,8 @@ def is_ahead(sequence: int, of: int) -> bool:
 
 
 def explained(fault: int) -> str:
-    """Say what a reason or fault number means."""
-    own = f"the controller reports its own fault {fault}; look it up in the machine's manual"
-    return EXPLANATIONS.get(fault, own)
+    """Return the explanation of a reason or fault, with its remedy."""
+    device_specific = (
+        f"the controller reports device-specific fault {fault}; look it up in the machine's manual"
+    )
+    return EXPLANATIONS.get(fault, device_specific)

@@ -1,4 +1,4 @@
-"""The device that speaks Modbus."""
+"""Belt and sorter over Modbus."""
 
 import time
 from collections.abc import Callable
@@ -15,7 +15,7 @@ def make(options: ModbusOptions, clock: Callable[[], float] = time.monotonic) ->
     Parameters
     ----------
     options
-        How the server is reached.
+        Connection to the server.
     clock
         The cell's clock, seconds.
 
@@ -25,7 +25,7 @@ def make(options: ModbusOptions, clock: Callable[[], float] = time.monotonic) ->
         If pymodbus is not installed.
     """
     require("pymodbus", "modbus")
-    from beltsort.drivers.modbus.link import ModbusLink  # now, so that no connection has to wait for it
+    from beltsort.drivers.modbus.link import ModbusLink  # imported here, not within a timeout
 
     address = f"{options.host}:{options.port}"
     return FieldbusDevice(partial(ModbusLink, options), address, options.answer_timeout, clock)

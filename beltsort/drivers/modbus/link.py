@@ -14,10 +14,10 @@ from beltsort.drivers.modbus.tls import context
 
 
 class OneConnection(ModbusTcpClient):
-    """A client of a connection that exists; it neither reconnects (TLS would be left out) nor repeats.
+    """A client on an open connection, which neither reconnects (that would bypass TLS) nor retries.
 
-    TLS carries the same frames as TCP. pymodbus's own TLS client does not put frames together that arrive in
-    parts, nor compares the server's name.
+    Modbus over TLS uses the same frames as over TCP. pymodbus's own TLS client neither reassembles frames
+    that arrive in parts nor verifies the server's name.
     """
 
     def __init__(self, connection: socket.socket, seconds: float) -> None:
@@ -26,7 +26,7 @@ class OneConnection(ModbusTcpClient):
         self.socket = connection
 
     def connect(self) -> bool:
-        """Tell whether the connection is still there."""
+        """Return whether the connection is open."""
         return self.socket is not None
 
 
@@ -36,9 +36,9 @@ class ModbusLink:
     Parameters
     ----------
     options
-        How the server is reached.
+        Connection to the server.
     seconds
-        That each call may take.
+        Timeout of each call.
     """
 
     def __init__(self, options: ModbusOptions, seconds: float) -> None:
@@ -75,5 +75,7 @@ def _connected(options: ModbusOptions, seconds: float) -> socket.socket:
 
 def _checked(answer: ModbusPDU) -> ModbusPDU:
     if answer.isError():
-        raise LinkError(f"the controller answered {answer}, expected registers; compare docs/fieldbus.md")
+        raise LinkError(
+            f"the controller answered {answer}, expected registers; compare its program with docs/fieldbus.md"
+        )
     return answer

@@ -1,33 +1,33 @@
-"""How a controller is reached over Modbus."""
+"""Options of the connection over Modbus."""
 
 from dataclasses import dataclass
 
-from beltsort.drivers.fieldbus.loopback import check_loopback
+from beltsort.drivers.fieldbus.security import check_loopback
 from beltsort.errors import CellError
 
 
 @dataclass(frozen=True)
 class ModbusOptions:
-    """How a controller is reached over Modbus TCP.
+    """Options of the connection over Modbus TCP.
 
-    With mutual TLS ("Modbus/TCP Security"), or plain if `allow_insecure` says so.
+    The connection uses mutual TLS ("Modbus/TCP Security") unless `allow_insecure` is set.
 
     Attributes
     ----------
     host, port
-        Where the controller listens; usually 802 with TLS, 502 without.
+        Address of the controller; the port is usually 802 with TLS, 502 without.
     certificate, private_key
-        This program's own, PEM files.
+        PEM files of this client.
     trust
-        Folder of the certificates, .pem or .der, that the controller's must be one of or issued by.
+        Folder of trusted certificates, .pem or .der: the controller's own, or that of its issuer.
     server_name
         Name or address that must be in the controller's certificate; empty: `host`.
     unit
         Modbus unit identifier of the controller.
     answer_timeout
-        Seconds that the controller may take to acknowledge a request.
+        Timeout of the acknowledgement of a request, seconds.
     allow_insecure
-        Leave TLS out, on this computer only; then no files are needed.
+        Disable TLS, on this computer only; then no files are needed.
     """
 
     host: str
@@ -41,13 +41,16 @@ class ModbusOptions:
     allow_insecure: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what cannot work, and what would be insecure by accident."""
+        """Reject invalid values, and insecure connections to other computers."""
         if not 0 < self.port < 65536:
-            raise CellError(f"port is {self.port}, expected 1 to 65535; usually 802 with TLS, 502 without")
+            raise CellError(f"port is {self.port}, expected 1 to 65535; give 802 with TLS or 502 without")
         if not 0 <= self.unit <= 255:
-            raise CellError(f"unit is {self.unit}, expected 0 to 255; usually 1")
+            raise CellError(f"unit is {self.unit}, expected 0 to 255; give the controller's, usually 1")
         if not self.answer_timeout > 0.0:
-            raise CellError(f"answer_timeout is {self.answer_timeout}, expected seconds above 0")
+            raise CellError(
+                f"answer_timeout is {self.answer_timeout}, expected seconds above 0; start from the default, "
+                "2"
+            )
         if self.allow_insecure:
             check_loopback(self.host)
         elif not (self.certificate and self.private_key and self.trust):

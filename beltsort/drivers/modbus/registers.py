@@ -1,4 +1,4 @@
-"""The holding registers of the protocol and what is in them. Numbers of several registers are big-endian."""
+"""Encoding of requests and replies in holding registers; numbers in several registers are big-endian."""
 
 import struct
 from collections.abc import Sequence
@@ -38,7 +38,7 @@ def decode_request(words: Sequence[int]) -> Request:
 
 
 def encode_reply(reply: Reply) -> list[int]:
-    """Return the registers of a reply; numbers too large for theirs become the largest that fits."""
+    """Return the registers of a reply; numbers that do not fit are saturated."""
     answer = (reply.sequence, reply.verb, reply.key, reply.phase, reply.reason, min(reply.age, U32))
     memory = (min(reply.remembered, U16), reply.forgotten % (U32 + 1))
     flags = READY * reply.ready | EMERGENCY_STOP * reply.emergency_stop
@@ -49,7 +49,7 @@ def encode_reply(reply: Reply) -> list[int]:
 
 
 def decode_reply(words: Sequence[int]) -> Reply:
-    """Return the reply in its registers. Raises `GarbageError` if there is none in them."""
+    """Return the reply in its registers. Raises `GarbageError` if it is invalid."""
     answer = REPLY.unpack(_bytes(words))
     names = (
         *("sequence", "verb", "key", "phase", "reason", "age", "boot", "position"),

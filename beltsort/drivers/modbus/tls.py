@@ -1,9 +1,9 @@
-"""Mutual TLS: each side shows a certificate that the other trusts."""
+"""Mutual TLS: each side has a certificate that the other trusts."""
 
 import ssl
 from pathlib import Path
 
-from beltsort.drivers.fieldbus.trust import trusted
+from beltsort.drivers.fieldbus.security import trusted
 
 
 def context(protocol: int, certificate: str, private_key: str, trust: str) -> ssl.SSLContext:
@@ -12,9 +12,9 @@ def context(protocol: int, certificate: str, private_key: str, trust: str) -> ss
     Parameters
     ----------
     certificate, private_key
-        Of this side, PEM files.
+        PEM files of this side.
     trust
-        Folder of the certificates, .pem or .der, that the other side's must be one of or issued by.
+        Folder of trusted certificates, .pem or .der: the other side's own, or that of its issuer.
     """
     made = ssl.SSLContext(protocol)
     made.minimum_version = ssl.TLSVersion.TLSv1_2

@@ -10,5 +10,5 @@ from beltsort.drivers.opcua.options import OpcuaOptions
 
 __all__ = ["OpcuaOptions", "make"]
 
-# What goes wrong is told by `CommandError`; asyncua's own log is for whoever sets logging up.
+# Failures are reported by `CommandError`; asyncua's log is for applications that configure logging.
 logging.getLogger("asyncua").addHandler(logging.NullHandler())

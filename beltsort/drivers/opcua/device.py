@@ -1,4 +1,4 @@
-"""The device that speaks OPC UA."""
+"""Belt and sorter over OPC UA."""
 
 import time
 from collections.abc import Callable
@@ -15,7 +15,7 @@ def make(options: OpcuaOptions, clock: Callable[[], float] = time.monotonic) -> 
     Parameters
     ----------
     options
-        How the server is reached.
+        Connection to the server.
     clock
         The cell's clock, seconds.
 
@@ -25,6 +25,6 @@ def make(options: OpcuaOptions, clock: Callable[[], float] = time.monotonic) -> 
         If asyncua is not installed.
     """
     require("asyncua", "opcua")
-    from beltsort.drivers.opcua.link import OpcuaLink  # now, so that no connection has to wait for it
+    from beltsort.drivers.opcua.link import OpcuaLink  # imported here, not within a timeout
 
     return FieldbusDevice(partial(OpcuaLink, options), options.endpoint, options.answer_timeout, clock)

@@ -21,18 +21,18 @@ from beltsort.drivers.opcua.trust import trust_store
 Result = TypeVar("Result")
 
 SESSION_TIMEOUT = 60_000
-"""Milliseconds after which the server forgets a client that is gone."""
+"""Time after which the server closes the session of a lost client, milliseconds."""
 
 
 class OpcuaLink:
-    """A session with an event loop and a thread of its own, so that giving it up disturbs nothing else.
+    """A session with an event loop and a thread of its own, so that it can be abandoned if it hangs.
 
     Parameters
     ----------
     options
-        How the server is reached.
+        Connection to the server.
     seconds
-        That each call may take.
+        Timeout of each call.
     """
 
     def __init__(self, options: OpcuaOptions, seconds: float) -> None:
@@ -48,7 +48,7 @@ class OpcuaLink:
             raise
 
     def write(self, request: Request) -> None:
-        """Write a request; without a time stamp, since many controllers refuse one."""
+        """Write a request, without a time stamp, which many controllers reject."""
         value = ua.DataValue(ua.Variant(encode_request(request), ua.VariantType.Int64))
         self._run(self._request.write_value(value))
 
@@ -67,7 +67,7 @@ class OpcuaLink:
 
     async def _until_over(self) -> None:
         await self._over.wait()
-        with suppress(Exception):  # whoever hung up does not care how the other side takes it
+        with suppress(Exception):  # the connection is abandoned, whether the server answers or not
             await asyncio.wait_for(self._client.disconnect(), self._seconds)
 
     async def _connect(self, options: OpcuaOptions) -> None:

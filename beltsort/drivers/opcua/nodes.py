@@ -1,4 +1,4 @@
-"""The nodes of the protocol and what is in them, in the order in which they are read and written at once."""
+"""Encoding of requests and replies in nodes, in the order in which they are read and written."""
 
 from typing import Any
 
@@ -44,7 +44,7 @@ def encode_reply(reply: Reply) -> list[Any]:
 
 
 def decode_reply(values: list[Any]) -> Reply:
-    """Return the reply in the nodes `REPLY`. Raises `GarbageError` if there is none in them."""
+    """Return the reply in the nodes `REPLY`. Raises `GarbageError` if it is invalid."""
     answer, boot, position, remembered, forgotten, ready, emergency_stop, fault, bins = values
     if not isinstance(answer, list) or len(answer) != ANSWER_LENGTH:
         raise GarbageError(ANSWER, answer, f"{ANSWER_LENGTH} numbers", 0)

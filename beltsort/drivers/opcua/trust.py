@@ -1,19 +1,19 @@
-"""Whom one side of an OPC UA connection trusts."""
+"""The trust store of one side of an OPC UA connection."""
 
 from pathlib import Path
 
 from asyncua.crypto.truststore import TrustStore
 
-from beltsort.drivers.fieldbus.trust import trusted
+from beltsort.drivers.fieldbus.security import trusted
 
 
 async def trust_store(folder: Path) -> TrustStore:
-    """Return the certificates in a folder, loaded.
+    """Load the trusted certificates in a folder.
 
     Raises
     ------
     CellError
-        If there is none.
+        If there are none.
     """
     trusted(folder)
     store = TrustStore([folder], [])

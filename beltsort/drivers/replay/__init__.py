@@ -1,7 +1,7 @@
-"""Recorded scans played back as a cell, and the recording of them: ROS bags, without ROS.
+"""Playback of scans from ROS bags as a cell, and recording of scans, without ROS.
 
 Reads ROS 1 bags (.bag) and rosbag2 directories or files (sqlite3, mcap); writes rosbag2 with mcap. Needs the
-package `rosbags` (`pip install 'beltsort[replay]'`), which is loaded when a bag is opened.
+package `rosbags` (`pip install 'beltsort[replay]'`), which is imported when a bag is opened.
 """
 
 from beltsort.drivers.replay.devices import Replay

@@ -1,4 +1,4 @@
-"""A ROS bag of any format, read message by message."""
+"""Reading of messages from a ROS bag of any format."""
 
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
@@ -14,7 +14,7 @@ NANOSECONDS = 10**9
 
 
 class Recorded(NamedTuple):
-    """One message: its topic, when it was written (nanoseconds), and what it says."""
+    """A message with its topic and the time at which it was written, nanoseconds."""
 
     topic: str
     time: int
@@ -73,22 +73,23 @@ class Bag:
         return {connection.topic: connection.msgtype for connection in self._reader.connections}
 
     def require(self, topic: str, message_type: str) -> None:
-        """Refuse a bag that lacks a topic of a type, as "std_msgs/msg/Header"."""
+        """Check that the bag has a topic of a type, "std_msgs/msg/Header" for example."""
         found = self.topics.get(topic)
         if found != message_type:
             raise CellError(
-                f"{self.path} has {topic!r} of type {found}, expected {message_type}; its topics are "
+                f"{self.path} has {topic!r} of type {found}, expected {message_type}; choose one of its "
+                "topics: "
                 f"{', '.join(f'{name} ({kind})' for name, kind in sorted(self.topics.items())) or 'none'}"
             )
 
     def messages(
         self, topics: Collection[str], start: int | None = None, stop: int | None = None
     ) -> Iterator[Recorded]:
-        """Read messages of some topics, written from `start` up to and without `stop`, in that order."""
+        """Yield the messages of some topics written at or after `start` and before `stop`, in time order."""
         wanted = [connection for connection in self._reader.connections if connection.topic in topics]
         if not wanted:
             return
-        # An mcap chunk that ends at `start` is passed over by rosbags 0.11: begin earlier.
+        # rosbags 0.11 skips an mcap chunk that ends at `start`, so reading begins one nanosecond earlier.
         early = None if start is None else start - 1
         raw = self._attempt(lambda: self._reader.messages(wanted, start=early, stop=stop))
         while (following := self._attempt(lambda: next(raw, None))) is not None:
@@ -99,7 +100,7 @@ class Bag:
             yield Recorded(connection.topic, time, message)
 
     def _deserialized(self, connection: Any, data: bytes) -> Any:
-        """Return a message. Only the definitions of messages that are read have to make sense."""
+        """Return a message. Only the definitions of messages that are read need to be valid."""
         kind = connection.msgtype
         if kind not in self._stores:
             self._stores[kind] = self._store(connection)
@@ -109,7 +110,7 @@ class Bag:
         return store.deserialize_cdr(data, kind)
 
     def _store(self, connection: Any) -> Any:
-        """Return the definitions that a bag holds of a message type; ROS 2's own if it holds none."""
+        """Return the bag's definition of a message type, or ROS 2's own if it has none."""
         types, formats = self._library.typesys, self._library.interfaces.MessageDefinitionFormat
         definition = connection.msgdef
         if definition.format == formats.NONE:
@@ -118,7 +119,7 @@ class Bag:
         if definition.format == formats.MSG:
             store.register(types.get_types_from_msg(definition.data, connection.msgtype))
             return store
-        # Several files follow each other, each behind a line of "=" and one that begins with "IDL: ".
+        # A sequence of files, each preceded by a line of "=" and one that begins with "IDL: ".
         for part in definition.data.split("=" * 80 + "\n"):
             text = part.partition("\n")[2] if part.startswith("IDL: ") else part
             if text.strip():
@@ -127,13 +128,13 @@ class Bag:
 
     def close(self) -> None:
         """Close the file."""
-        with suppress(AssertionError):  # of a reader that is closed
+        with suppress(AssertionError):  # the reader is closed already
             self._reader.close()
 
     def _attempt(self, act: Callable[[], Any]) -> Any:
         try:
             return act()
-        except Exception as reason:  # whatever the parser stumbles over means that the bag is damaged
+        except Exception as reason:  # any exception of the parser means that the bag is damaged
             raise CellError(
                 f"cannot read {self.path}: {type(reason).__name__}: {reason}; expected a complete ROS bag "
                 "(.bag, or rosbag2 with sqlite3 or mcap): record it again, or reindex it"
@@ -141,7 +142,7 @@ class Bag:
 
 
 def _check_complete(path: Path) -> None:
-    """Refuse what a recorder has not finished."""
+    """Check that the recording was finished."""
     if path.suffix == ".active":
         finished = path.with_suffix("")
         raise CellError(

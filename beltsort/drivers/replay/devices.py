@@ -20,19 +20,19 @@ Result = TypeVar("Result")
 
 
 class Replay:
-    """Arm, camera and belt of a recording: they do what was done then, in the same order.
+    """Arm, camera and belt of a recording.
 
-    A move succeeds at once. A scan is the next recorded one from that viewpoint (and of that object at the
-    belt end, if the record tells) younger than the last thing that was played back; what lies between is
-    passed over, since the clock of the recording only runs forward. So a run that does what the recorded one
-    did sees what that one saw, and another one sees the end of the record sooner.
+    A move succeeds at once. A scan is the next recorded one from the viewpoint (and with the same object at
+    the belt end, if the recording contains it) after the last event that was played back; scans in between
+    are skipped, since time in the recording only moves forward. A run that repeats the recorded actions gets
+    the recorded scans; other runs reach the end of the recording earlier.
 
-    The bag is opened, and gone through once, by the first call or by `connect`; scans are read one by one.
+    The first call, or `connect`, opens the bag and indexes it; scans are read one at a time.
 
     Parameters
     ----------
     options
-        What is played back.
+        The bag and its topics.
     """
 
     def __init__(self, options: ReplayOptions) -> None:
@@ -46,7 +46,7 @@ class Replay:
         self._clock = -np.inf
 
     def connect(self) -> None:
-        """Open the bag and see what it holds.
+        """Open the bag and index it.
 
         Raises
         ------
@@ -56,7 +56,7 @@ class Replay:
         self._read(TIMEOUT, self._record)
 
     def close(self) -> None:
-        """Close the bag. A later call opens it again and goes on."""
+        """Close the bag. A later call opens it again and continues."""
 
         def close() -> None:
             if self._opened is not None:
@@ -74,7 +74,7 @@ class Replay:
         self.close()
 
     def health(self) -> Health:
-        """Say whether the bag can be read."""
+        """Return that the device is ready; raises `CellError` if the bag cannot be read."""
         self.connect()
         return Health(ready=True, boot_id=f"replay of {self._options.path}")
 
@@ -82,11 +82,11 @@ class Replay:
         """Do nothing: nothing moves."""
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
-        """Tell whether a command was carried out."""
+        """Return the outcome of a command."""
         return self._ledger[command_id].outcome if command_id in self._ledger else Outcome.NOT_DONE
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Go on from `viewpoint`; return the time in the recording, seconds."""
+        """Continue with scans from `viewpoint`; return the time in the recording, seconds."""
         names = self._options.viewpoints
         if not 0 <= viewpoint < len(names):
             raise CommandError(
@@ -103,7 +103,7 @@ class Replay:
         return self._ledger.once("move_to", viewpoint, command_id, move)
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Go on from when object `index` stood at the belt end; return when it came there, seconds."""
+        """Continue when object `index` is at the belt end; return the time at which it arrived, seconds."""
 
         def advance() -> float:
             arrivals = self._read(timeout, self._record)[1].objects
@@ -121,23 +121,23 @@ class Replay:
         return self._ledger.once("advance_to", index, command_id, advance)
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
-        """Return the next recorded scan from where the arm stands.
+        """Return the next recorded scan from the arm's viewpoint.
 
         Raises
         ------
         CommandError
-            If the record has no more, or the scan cannot be used; the call after that goes on behind it.
+            If there are no more, or the scan is unusable; the next call continues after it.
         """
         if not np.isfinite(not_before):
             raise CellError(f"not_before is {not_before}, expected a time of the recording; give a number")
         return self._read(timeout, lambda: self._next_scan(not_before))
 
     def _read(self, timeout: float, act: Callable[[], Result]) -> Result:
-        """Do something with the bag, in the thread that is for that."""
+        """Call a function in the bag's thread, with a timeout."""
         return within(timeout, f"reading {self._options.path}", lambda: self._reader.submit(act).result())
 
     def _record(self) -> tuple[Bag, Index]:
-        """Return the bag and what it holds; open it at first."""
+        """Return the bag and its index; open it if necessary."""
         if self._opened is None:
             bag = Bag(self._options.path)
             try:

@@ -1,4 +1,4 @@
-"""What a bag holds: when which viewpoint and object was reached, and where its scans are."""
+"""The index of a bag: times at which viewpoints and objects were reached, and positions of its scans."""
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ Transform: TypeAlias = tuple[str, str, list[float], list[float]]
 
 
 class Place(NamedTuple):
-    """Where a scan is: when it was written (nanoseconds), and how many of that time precede it."""
+    """Position of a scan: the time at which it was written (nanoseconds) and its rank among equal times."""
 
     time: int
     repeat: int
@@ -25,26 +25,26 @@ class Place(NamedTuple):
 
 @dataclass
 class Timeline:
-    """What held from which time on; only changes are kept."""
+    """A piecewise constant state over time; only changes are stored."""
 
     times: list[float] = field(default_factory=list)
     states: list[str | None] = field(default_factory=list)
 
     def add(self, time: float, state: str | None) -> None:
-        """Take in a state, not older than the last one."""
+        """Add a state, not older than the last one."""
         if not self.states or self.states[-1] != state:
             self.times.append(time)
             self.states.append(state)
 
     def at(self, time: float) -> str | None:
-        """Return what held at a time; None before the first state."""
+        """Return the state at a time; None before the first state."""
         before = bisect_right(self.times, time)
         return self.states[before - 1] if before else None
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A recorded scan: its stamp (seconds), viewpoint and object (None if neither told), and where it is."""
+    """A recorded scan: its stamp (seconds), viewpoint and object (None if unknown), and its position."""
 
     stamp: float
     viewpoint: str | None
@@ -62,14 +62,14 @@ class Index:
 
 
 CLOCK_ERROR = 1.0
-"""Seconds by which clocks may differ in a bag."""
+"""Largest difference between the clocks of a bag, seconds."""
 
 FEW = 3
-"""Messages of a topic below which nothing is said of its clock: they may be latched ones of long ago."""
+"""Topics with fewer messages are not checked, since these may be latched messages of an earlier time."""
 
 
 class Clocks:
-    """Whether the stamps of a bag's topics are of clocks that agree, and that were not set back."""
+    """Checks that the stamps of a bag's topics come from clocks that agree and were not set back."""
 
     def __init__(self, bag: Bag) -> None:
         self._bag = bag
@@ -77,14 +77,14 @@ class Clocks:
         self._delays: dict[str, list[float]] = {}
 
     def seen(self, topic: str, time: int, stamp: Any) -> float:
-        """Take in a message that was written at `time` (nanoseconds); return its stamp, seconds."""
+        """Add a message that was written at `time` (nanoseconds); return its stamp, seconds."""
         stamped = seconds(stamp)
         self._stamps.setdefault(topic, []).append(stamped)
         self._delays.setdefault(topic, []).append(time / NANOSECONDS - stamped)
         return stamped
 
     def check(self) -> None:
-        """Refuse stamps by which no scan can be told to be of a viewpoint.
+        """Check the stamps, by which scans are assigned to viewpoints.
 
         Raises
         ------
@@ -109,7 +109,7 @@ class Clocks:
 
 
 def read_index(bag: Bag, options: ReplayOptions) -> Index:
-    """Go through a bag once.
+    """Read a bag once and return its index.
 
     Raises
     ------
@@ -150,8 +150,8 @@ def _viewpoint_topic(options: ReplayOptions) -> str:
 
 def _check_topics(bag: Bag, options: ReplayOptions) -> None:
     bag.require(options.scan_topic, "sensor_msgs/msg/PointCloud2")
-    told_by = "sensor_msgs/msg/JointState" if options.joint_topic else "std_msgs/msg/Header"
-    bag.require(_viewpoint_topic(options), told_by)
+    kind = "sensor_msgs/msg/JointState" if options.joint_topic else "std_msgs/msg/Header"
+    bag.require(_viewpoint_topic(options), kind)
     if options.object_topic in bag.topics:
         bag.require(options.object_topic, "std_msgs/msg/Header")
     if options.pose_topic:

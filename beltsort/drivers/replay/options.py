@@ -1,4 +1,4 @@
-"""What of a bag is to be played back."""
+"""Options of playback."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,35 +16,34 @@ WORLD = "world"
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """What of a bag is to be played back; the defaults are what `Recorder` writes.
+    """The bag to play back, and its topics; the defaults are those of `Recorder`.
 
     Attributes
     ----------
     path
         A .bag file, a rosbag2 directory, or one of its files (.mcap, .db3).
     viewpoints
-        Their names, in the order of the model.
+        Names of the viewpoints, in the order of the model.
     scan_topic
         PointCloud2, in the optical frame of the camera.
     world_frame
-        tf's frame of the robot's world: the one on the belt surface under the belt end
-        (`beltsort.geometry`), as `Recorder` writes it, or that of which the cell file's `world_from_belt`
-        speaks.
+        tf's name of the robot's world frame: the belt frame (`beltsort.geometry`), as written by `Recorder`,
+        or the frame to which the cell file's `world_from_belt` refers.
     pose_topic
         PoseStamped of the camera in the world frame, instead of tf.
     pose_age
-        How far from a scan's stamp its pose may have been recorded, seconds.
+        Largest difference between the stamps of a scan and of its pose, seconds.
     viewpoint_topic
-        Header: the arm came to a stop at its stamp, at the viewpoint that its frame_id names.
+        Header: stamp is the time at which the arm stopped, frame_id the name of the viewpoint.
     object_topic
-        Header: the belt came to a stop at its stamp, the object whose number is its frame_id at the belt end.
-        May be missing from the bag.
+        Header: stamp is the time at which the belt stopped, frame_id the number of the object at the belt
+        end. May be missing from the bag.
     joint_topic
-        JointState; with `taught`, tells viewpoints instead of `viewpoint_topic`.
+        JointState; with `taught`, determines viewpoints instead of `viewpoint_topic`.
     taught
         Joint positions of each viewpoint, by its name and the joint's, radians.
     tolerance
-        How far each joint may be from its taught position, radians.
+        Largest deviation of a joint from its taught position, radians.
     """
 
     path: str
@@ -60,11 +59,11 @@ class ReplayOptions:
     tolerance: float = 0.02
 
     def __post_init__(self) -> None:
-        """Refuse viewpoints that nothing tells."""
+        """Check that the viewpoints of scans can be determined."""
         if bool(self.joint_topic) != bool(self.taught):
             raise CellError(
-                f"joint_topic is {self.joint_topic!r} and taught names {sorted(self.taught)}; give both to "
-                "tell viewpoints by joint states, or none"
+                f"joint_topic is {self.joint_topic!r} and taught names {sorted(self.taught)}; expected both "
+                "to determine viewpoints from joint states, or none; give the other, or leave this one out"
             )
         check_positive(self, "pose_age", "tolerance")
         check_taught(self.taught)

@@ -1,4 +1,4 @@
-"""Where the camera was when a recorded scan was taken."""
+"""The camera's pose of a recorded scan."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from beltsort.geometry import Pose
 TRANSFORMS = "/tf"
 
 LATENCY = 1.0
-"""Seconds by which a pose and a scan of one time may be written apart."""
+"""Largest difference between the times at which a scan and its pose were written, seconds."""
 
 
 def recorded_pose(
@@ -24,16 +24,16 @@ def recorded_pose(
     bag, options, index
         The recording.
     place
-        Where the scan is in it.
+        Position of the scan in the bag.
     frame
         Name of the camera frame.
     stamp
-        The scan's, seconds.
+        Stamp of the scan, seconds.
 
     Raises
     ------
     CellError
-        If nothing near the stamp tells the pose.
+        If no pose is recorded near the stamp.
     """
     frames = Frames(options.pose_age)
     for parent, child, translation, quaternion in index.frames:

@@ -1,4 +1,4 @@
-"""Devices that do as they did, while a `Recorder` writes it down."""
+"""Wrappers around devices that record scans and stops with a `Recorder`."""
 
 from collections.abc import Sequence
 
@@ -9,21 +9,21 @@ from beltsort.drivers.replay.recording import Recorder
 
 
 class RecordingCamera:
-    """A camera whose scans are written down.
+    """A camera whose scans are recorded.
 
     Parameters
     ----------
     camera
-        Takes the scans.
+        The camera.
     recorder
-        Writes them.
+        The recorder.
     """
 
     def __init__(self, camera: DepthCamera, recorder: Recorder) -> None:
         self._camera, self._recorder = camera, recorder
 
     def health(self) -> Health:
-        """Say how the camera is."""
+        """Return the camera's health."""
         return self._camera.health()
 
     def stop(self) -> None:
@@ -31,30 +31,30 @@ class RecordingCamera:
         self._camera.stop()
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
-        """Return a scan whose exposure began at or after `not_before`, and write it down."""
+        """Return a scan whose exposure began at or after `not_before`, and record it."""
         scan = self._camera.scan(not_before=not_before, timeout=timeout)
         self._recorder.scan(scan)
         return scan
 
 
 class RecordingArm:
-    """An arm whose stops are written down.
+    """An arm whose stops are recorded.
 
     Parameters
     ----------
     arm
-        Moves.
+        The arm.
     recorder
-        Writes when it stopped where.
+        The recorder.
     viewpoints
-        Their names.
+        Names of the viewpoints.
     """
 
     def __init__(self, arm: Arm, recorder: Recorder, viewpoints: Sequence[str]) -> None:
         self._arm, self._recorder, self._viewpoints = arm, recorder, tuple(viewpoints)
 
     def health(self) -> Health:
-        """Say how the arm is."""
+        """Return the arm's health."""
         return self._arm.health()
 
     def stop(self) -> None:
@@ -62,32 +62,32 @@ class RecordingArm:
         self._arm.stop()
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
-        """Tell what became of a command."""
+        """Return the outcome of a command."""
         return self._arm.outcome_of(command_id)
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring the camera to `viewpoint`; return the time of its stop, and write it down."""
+        """Move the camera to `viewpoint`; return the time at which it stopped, and record it."""
         time = self._arm.move_to(viewpoint, command_id, timeout=timeout)
         self._recorder.stopped(VIEWPOINTS, self._viewpoints[viewpoint], time)
         return time
 
 
 class RecordingBelt:
-    """A belt whose stops are written down.
+    """A belt whose stops are recorded.
 
     Parameters
     ----------
     belt
-        Carries the objects.
+        The belt.
     recorder
-        Writes when which object came to the belt end.
+        The recorder.
     """
 
     def __init__(self, belt: Belt, recorder: Recorder) -> None:
         self._belt, self._recorder = belt, recorder
 
     def health(self) -> Health:
-        """Say how the belt is."""
+        """Return the belt's health."""
         return self._belt.health()
 
     def stop(self) -> None:
@@ -95,11 +95,11 @@ class RecordingBelt:
         self._belt.stop()
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
-        """Tell what became of a command."""
+        """Return the outcome of a command."""
         return self._belt.outcome_of(command_id)
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring object `index` to the belt end; return the time of its stop there, and write it down."""
+        """Bring object `index` to the belt end; return the time at which the belt stopped, and record it."""
         time = self._belt.advance_to(index, command_id, timeout=timeout)
         self._recorder.stopped(OBJECTS, str(index), time)
         return time

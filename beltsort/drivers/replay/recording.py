@@ -1,8 +1,8 @@
-"""A cell's scans, written down as they are taken.
+"""Recording of a cell's scans.
 
-rosbag2 with mcap: it holds the definitions of its messages, is written chunk by chunk, and is read by ROS 2,
-Foxglove and `Replay` alike. What is lost: coordinates are rounded to float32 (at 1 m by at most 60 nm),
-times to nanoseconds, and poses pass through a quaternion (1e-15). A cloud of one row comes back as (n, 3).
+The format is rosbag2 with mcap, which contains the message definitions, is written in chunks, and is read by
+ROS 2, Foxglove and `Replay`. Coordinates are rounded to float32 (an error of at most 60 nm at 1 m), times to
+nanoseconds; poses are converted to quaternions (error 1e-15). A cloud of one row is read as shape (n, 3).
 """
 
 from pathlib import Path
@@ -29,9 +29,9 @@ TYPES = {
 
 
 class Recorder:
-    """Writes scans, the camera's poses, and where arm and belt stopped into a new bag.
+    """Writes scans, the camera's poses, and the stops of arm and belt to a new bag.
 
-    The bag can be read once it is closed.
+    The bag can be read after it was closed.
 
     Parameters
     ----------

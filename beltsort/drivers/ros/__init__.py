@@ -1,1 +1,1 @@
-"""What ROS messages say, in ROS 1 and 2 and in recordings alike: point clouds, frames, joint positions."""
+"""Contents of ROS messages, of ROS 1, ROS 2 and recordings: point clouds, frames, joint positions."""

@@ -1,4 +1,4 @@
-"""Checks of options, before anything is started with them."""
+"""Checks of options."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,11 +9,11 @@ from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
 ROUNDING = 1e-3
-"""By which a written-down rotation may miss a rotation."""
+"""Tolerance of the orthogonality of a rotation."""
 
 
 def check_positive(options: object, *names: str) -> None:
-    """Refuse numbers that are not above 0 and finite.
+    """Check that numbers are finite and above 0.
 
     Examples
     --------
@@ -29,7 +29,7 @@ def check_positive(options: object, *names: str) -> None:
 
 
 def check_taught(taught: Mapping[str, Joints]) -> None:
-    """Refuse viewpoints without joints, of other joints than the first one's, or at no position."""
+    """Check that all viewpoints have finite positions of the same joints, at least one."""
     for name, joints in taught.items():
         expected = set(next(iter(taught.values())))
         if not joints or set(joints) != expected or not np.isfinite(list(joints.values())).all():
@@ -40,7 +40,7 @@ def check_taught(taught: Mapping[str, Joints]) -> None:
 
 
 def check_pose(name: str, rows: Sequence[Sequence[float]]) -> Pose:
-    """Return a pose, shape (4, 4), or refuse what is no rigid transform."""
+    """Return a pose as an array, shape (4, 4), after checking that it is a rigid transform."""
     try:
         pose: Pose = np.array(rows, dtype=np.float64).reshape(4, 4)
     except ValueError:
@@ -50,7 +50,7 @@ def check_pose(name: str, rows: Sequence[Sequence[float]]) -> Pose:
     right_handed = orthogonal and np.linalg.det(rotation) > 0.0
     if not right_handed or not np.isfinite(pose).all() or pose[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
         raise CellError(
-            f"{name} is {rows}, expected a rigid transform of shape (4, 4): a right-handed rotation, a "
+            f"{name} is {rows}, expected a rigid transform of shape (4, 4): give a right-handed rotation, a "
             "position in metres, and the last row 0, 0, 0, 1"
         )
     return pose

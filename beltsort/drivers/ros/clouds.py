@@ -1,4 +1,4 @@
-"""`sensor_msgs/PointCloud2`: a table of bytes, its columns described by fields."""
+"""Decoding of `sensor_msgs/PointCloud2`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from beltsort.geometry import Points
 
 FLOAT32 = 7
 TYPES = {FLOAT32: "f4", 8: "f8"}
-"""PointField's numbers of the types that a coordinate may have."""
+"""NumPy types of coordinates, by PointField's type number."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Cloud:
     big_endian
         Byte order of the coordinates.
     point_step, row_step
-        Bytes from a point to the next one, and from a row to the next one; 0 will do if there is one row.
+        Bytes from a point to the next one, and from a row to the next one; `row_step` may be 0 for one row.
     data
         The rows.
     """
@@ -54,13 +54,13 @@ def points_of(cloud: Cloud) -> Points:
     Returns
     -------
     Points
-        Shape (height, width, 3), or (width, 3) of a single row. NaN is kept; a point at the camera itself, as
-        some drivers write where there is no return, becomes NaN.
+        Shape (height, width, 3), or (width, 3) for a single row. NaN is kept; a point at the origin, which
+        some drivers publish where there is no return, becomes NaN.
 
     Raises
     ------
     CellError
-        If the cloud has no points, no return, less data than it promises, or no coordinates.
+        If the cloud has no points, no finite point, too little data, or no coordinates.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def points_of(cloud: Cloud) -> Points:
     if not np.isfinite(points).all(axis=-1).any():
         raise CellError(
             f"none of the {cloud.height * cloud.width} points is finite and away from the camera, expected "
-            "some returns; look what is in front of the camera, and how far away"
+            "some returns; check what is in front of the camera, and its distance"
         )
     return points if cloud.height > 1 else points[0]
 
@@ -96,7 +96,7 @@ def points_of(cloud: Cloud) -> Points:
 def _check(cloud: Cloud) -> None:
     if cloud.height < 1 or cloud.width < 1:
         raise CellError(
-            f"the cloud is empty ({cloud.height} x {cloud.width} points), expected points; look at the camera"
+            f"the cloud is empty ({cloud.height} x {cloud.width} points), expected points; check the camera"
         )
     for name in "xyz":
         offset, kind = cloud.fields.get(name, (-1, 0))
@@ -110,7 +110,7 @@ def _check(cloud: Cloud) -> None:
     if cloud.row_step < row and not (cloud.height == 1 and cloud.row_step == 0):
         raise CellError(
             f"the cloud's row_step is {cloud.row_step}, expected at least {row} ({cloud.width} points of "
-            f"{cloud.point_step} bytes); mend its publisher"
+            f"{cloud.point_step} bytes); correct its publisher"
         )
     needed = (cloud.height - 1) * cloud.row_step + row
     if len(cloud.data) < needed:

@@ -1,4 +1,4 @@
-"""tf: a tree of frames, each edge with the transforms of a while."""
+"""A buffer of tf transforms."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -10,22 +10,23 @@ from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
 HISTORY = 10.0
-"""Seconds that a transform is kept."""
+"""Time for which transforms are kept, seconds."""
 
 QUATERNION_SLACK = 1e-3
-"""How far from 1 the length of a quaternion may be."""
+"""Tolerance of the length of a quaternion, which should be 1."""
 
 
 class Frames:
-    """Where frames are relative to each other.
+    """Poses of frames relative to each other.
 
-    A transform is taken from the time nearest to the one asked for, and not interpolated: scans are taken
-    where the camera stands still.
+    The transform nearest to the requested time is used, without interpolation, since scans are taken while
+    the camera stands still.
 
     Parameters
     ----------
     age
-        How far from the time asked for a transform may be, seconds. Static ones hold for ever.
+        Largest difference between the requested time and that of a transform, seconds. Static transforms are
+        valid at any time.
 
     Examples
     --------
@@ -52,14 +53,14 @@ class Frames:
         translation: Sequence[float],
         quaternion: Sequence[float],
     ) -> None:
-        """Take in a transform from `child` to `parent` coordinates.
+        """Add a transform from `child` to `parent` coordinates.
 
         Parameters
         ----------
         parent, child
             Names of frames.
         stamp
-            Seconds; None if it is static.
+            Time, seconds; None for a static transform.
         translation
             Origin of `child` in `parent`, metres.
         quaternion
@@ -68,7 +69,7 @@ class Frames:
         Raises
         ------
         CellError
-            If it is no rigid transform.
+            If it is not a rigid transform.
         """
         parent, child = parent.lstrip("/"), child.lstrip("/")
         pose = rigid(translation, quaternion)
@@ -87,7 +88,7 @@ class Frames:
         Raises
         ------
         CellError
-            If the frames are not connected, or not at that time.
+            If the frames are not connected at that time.
         """
         root, root_from_camera = self._to_root(camera.lstrip("/"), stamp)
         other, root_from_world = self._to_root(world.lstrip("/"), stamp)
@@ -106,7 +107,7 @@ class Frames:
             pose = self._at(frame, stamp) @ pose
             frame = self._parents[frame]
             if frame in seen:
-                raise CellError(f"the frames {sorted(seen)} go round in a circle, expected a tree; mend tf")
+                raise CellError(f"the frames {sorted(seen)} form a cycle, expected a tree; correct tf")
             seen.add(frame)
         return frame, pose
 
@@ -131,13 +132,13 @@ def rigid(translation: Sequence[float], quaternion: Sequence[float]) -> Pose:
     Raises
     ------
     CellError
-        If they are not finite, or the quaternion is not of length 1.
+        If they are not finite, or the quaternion's length is not 1.
     """
     length = float(np.linalg.norm(quaternion))
     if not np.isfinite(translation).all() or not abs(length - 1.0) < QUATERNION_SLACK:
         raise CellError(
             f"the translation {list(translation)} and the quaternion {list(quaternion)} of length {length:g} "
-            "are no rigid transform, expected finite numbers and length 1; look at their publisher"
+            "are not a rigid transform, expected finite numbers and length 1; check their publisher"
         )
     return from_quaternion(translation, [float(part) / length for part in quaternion])
 

@@ -1,4 +1,4 @@
-"""Viewpoints as joint positions that were taught, and where the arm stands among them."""
+"""Taught joint positions of viewpoints, and the viewpoint at which an arm stands."""
 
 from collections.abc import Mapping
 from typing import TypeAlias
@@ -10,7 +10,7 @@ Joints: TypeAlias = Mapping[str, float]
 
 
 def distance(target: Joints, reported: Joints) -> float:
-    """Return by how much the joint that is farthest off misses its target.
+    """Return the largest deviation of a joint from its target, in the joint's unit.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def distance(target: Joints, reported: Joints) -> float:
     if missing:
         raise CellError(
             f"the joint states lack {', '.join(missing)} (they name {', '.join(reported) or 'none'}), "
-            "expected every joint that was taught; mend the names"
+            "expected every joint that was taught; correct the names"
         )
     return max(abs(reported[name] - position) for name, position in target.items())
 
@@ -37,6 +37,6 @@ def standing_at(taught: Mapping[str, Joints], reported: Joints, tolerance: float
     return name if distance(taught[name], reported) <= tolerance else None
 
 
-def told(joints: Joints) -> str:
-    """Return joint positions in words."""
+def joints_text(joints: Joints) -> str:
+    """Return joint positions as text."""
     return ", ".join(f"{name} {position:.4f}" for name, position in joints.items())

@@ -1,4 +1,4 @@
-"""The commands that a device was given, for devices that keep no record of their own."""
+"""A record of commands, for devices that do not remember command ids."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from beltsort.cell.commands import CommandError, Outcome
 
 @dataclass(frozen=True)
 class Command:
-    """A command that was given: its name, target and outcome, and the time of its stop (seconds) if done."""
+    """A command: its name, target and outcome, and the time at which motion stopped (seconds) if done."""
 
     name: str
     target: int
@@ -17,7 +17,7 @@ class Command:
 
 
 class Ledger:
-    """What became of the commands of one device, as far as this process saw it.
+    """The outcomes of the commands of one device, as observed by this process.
 
     Examples
     --------
@@ -34,24 +34,24 @@ class Ledger:
         self._commands: dict[str, Command] = {}
 
     def __getitem__(self, command_id: str) -> Command:
-        """Return a command that was given; KeyError for another."""
+        """Return a command; raises KeyError for an unknown id."""
         return self._commands[command_id]
 
     def __contains__(self, command_id: str) -> bool:
-        """Tell whether a command was given."""
+        """Return whether an id is known."""
         return command_id in self._commands
 
     def is_last(self, command_id: str) -> bool:
-        """Tell whether no other command was given since."""
+        """Return whether a command is the last one."""
         return next(reversed(self._commands), None) == command_id
 
     def once(self, name: str, target: int, command_id: str, act: Callable[[], float]) -> float:
-        """Carry out a command unless it is done; return the time of its stop.
+        """Execute a command unless it is done; return the time at which motion stopped.
 
         Raises
         ------
         CommandError
-            What `act` raises, or `NOT_DONE` if the id belongs to another command.
+            As raised by `act`, or `NOT_DONE` if the id belongs to another command.
         """
         earlier = self._commands.get(command_id, Command(name, target, Outcome.NOT_DONE))
         if earlier.outcome is not Outcome.NOT_DONE and (earlier.name, earlier.target) != (name, target):

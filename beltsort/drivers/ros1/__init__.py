@@ -1,7 +1,7 @@
-"""A cell on ROS 1: a camera that publishes clouds, an arm that takes joints, a belt that counts, a sorter.
+"""Drivers for ROS 1: a camera, an arm commanded by joint positions, a belt and a sorter.
 
-Needs rospy of Debian's packages, which is loaded in a process of its own when a device is first used.
-`docs/ros.md` tells how to set up a cell.
+Needs rospy from Debian's packages, which runs in a process of its own, started when a device is first used.
+`docs/ros.md` describes the interface.
 """
 
 from beltsort.drivers.ros1.arm import Ros1Arm

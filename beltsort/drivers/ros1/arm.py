@@ -1,29 +1,29 @@
-"""An arm that takes joint positions."""
+"""An arm commanded by joint positions."""
 
 from threading import Lock
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
-from beltsort.drivers.ros.joints import distance, told
+from beltsort.drivers.ros.joints import distance, joints_text
 from beltsort.drivers.ros.ledger import Ledger
 from beltsort.drivers.ros1.camera import joints_of
-from beltsort.drivers.ros1.commanding import Post, commanding
-from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, News, Ros1Device, emergency_stop
+from beltsort.drivers.ros1.commanding import Outgoing, commanding
+from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
 from beltsort.drivers.ros1.link import Deadline, Link
 from beltsort.drivers.ros1.options import Ros1ArmOptions
 from beltsort.drivers.ros1.standstill import Motion, Standstill
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
-BEAT = 0.05
-"""Seconds between looks at the joint states, and between repetitions of a command."""
+POLL_INTERVAL = 0.05
+"""Interval at which joint states are read and commands repeated, seconds."""
 
 
 class Ros1Arm(Ros1Device):
     """An arm on ROS 1.
 
-    ROS knows no command ids. What this process saw done is remembered; beyond that, `outcome_of` compares
-    where the arm stands with where it was sent, and is `UNKNOWN` where that tells nothing: for commands of an
-    earlier process, or after a later command.
+    ROS has no command ids. Commands whose end this process observed are recorded. For the last command,
+    `outcome_of` otherwise compares the arm's position with the target; for commands of an earlier process, or
+    earlier commands, it is `UNKNOWN`.
 
     Parameters
     ----------
@@ -51,19 +51,19 @@ class Ros1Arm(Ros1Device):
         )
         self._options = options
         self._ledger = Ledger()
-        self._posting, self._stopped = Lock(), False
+        self._publishing, self._stopped = Lock(), False
 
     def stop(self) -> None:
-        """Tell the arm to stay where it is."""
-        with self._posting:
+        """Command the arm to stop at its current position."""
+        with self._publishing:
             self._stopped = True
         self.connect()
         deadline = Deadline(HEALTH_TIMEOUT)
-        news = self._await(deadline)
-        self._publish(*self._commanding.halt(self._own(news)), deadline)
+        received = self._await(deadline)
+        self._publish(*self._commanding.halt(self._joint_positions(received)), deadline)
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
-        """Tell what became of a command, by where the arm stands if its end was not seen."""
+        """Return the outcome of a command, from the arm's position if its end was not observed."""
         if command_id not in self._ledger:
             return Outcome.UNKNOWN
         command = self._ledger[command_id]
@@ -71,12 +71,12 @@ class Ros1Arm(Ros1Device):
             return command.outcome
         try:
             self.connect()
-            return self._judged(command.target)
+            return self._outcome_from_position(command.target)
         except CellError:
             return Outcome.UNKNOWN
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring the camera to `viewpoint`; return the time of its stop, seconds of ROS time.
+        """Move the camera to `viewpoint`; return the time at which it stopped, seconds of monotonic time.
 
         Raises
         ------
@@ -98,17 +98,17 @@ class Ros1Arm(Ros1Device):
         Raises
         ------
         CommandError
-            If tf does not tell it in time.
+            If tf does not contain it in time.
         """
         if not self._options.flange_frame:
             return None
         world, flange = self._options.world_frame, self._options.flange_frame
         deadline, number, refused = Deadline(timeout), 0, f"nothing came on {self._topic}"
         self._link.connect(timeout)
-        while (news := self._await(deadline, number)) is not None:
-            number = news.number
+        while (received := self._await(deadline, number)) is not None:
+            number = received.number
             try:
-                return self._pose_in(world, flange, news.ros_stamp, deadline)
+                return self._pose_in(world, flange, received.ros_stamp, deadline)
             except CellError as reason:
                 refused = str(reason)
         raise CommandError(
@@ -128,69 +128,75 @@ class Ros1Arm(Ros1Device):
         self._check_emergency_stop(deadline, Outcome.NOT_DONE)
         begin = self._commanding.begin(self._options.taught[name])
         while not self._command(begin, name, deadline, Outcome.NOT_DONE):
-            self._lie_in_wait(self._commanding.topic, deadline)
+            self._wait_for_subscriber(self._commanding.topic, deadline)
         return self._arrival(name, deadline, timeout)
 
     def _arrival(self, name: str, deadline: Deadline, timeout: float) -> float:
-        """Return the stamp at which the arm stands still at a viewpoint."""
-        watch, news = self._watch(name), None
+        """Wait until the arm stands still at a viewpoint; return the time, seconds."""
+        watch, received = self._watch(name), None
         while deadline.left() > 0.0:
-            following = self._await(deadline, news.number if news else 0, at_most=BEAT)
+            following = self._await(deadline, received.number if received else 0, at_most=POLL_INTERVAL)
             if (ended := self._commanding.ended(self._link, deadline)) is not None:
                 watch.expect_no_more()
             if following is not None:
-                news = following
-                motion = watch.see(news.stamp, self._own(news))
+                received = following
+                motion = watch.see(received.stamp, self._joint_positions(received))
                 if motion is Motion.ARRIVED:
-                    return news.stamp
+                    return received.stamp
                 if motion is Motion.ELSEWHERE:
-                    self._command(self._commanding.halt(self._own(news)), name, deadline, Outcome.UNKNOWN)
-                    raise CommandError(self._elsewhere(name, news, ended), Outcome.NOT_DONE)
-            self._keep_going(name, deadline)
-        where = told(self._own(news)) if news else "nowhere, no joint states came"
+                    self._command(
+                        self._commanding.halt(self._joint_positions(received)),
+                        name,
+                        deadline,
+                        Outcome.UNKNOWN,
+                    )
+                    raise CommandError(self._elsewhere(name, received, ended), Outcome.NOT_DONE)
+            self._maintain(name, deadline)
+        where = joints_text(self._joint_positions(received)) if received else "nowhere, no joint states came"
         raise CommandError(
-            f"the arm was not seen to arrive at {name!r} within {timeout:g} s (last seen at {where}); look "
-            "at it and ask it what became of the command",
+            f"the arm did not arrive at {name!r} within {timeout:g} s (last position: {where}); check the "
+            "arm and ask for the outcome",
             Outcome.UNKNOWN,
         )
 
-    def _keep_going(self, name: str, deadline: Deadline) -> None:
-        """Repeat the command if it must be; refuse to go on if the arm must or can not."""
+    def _maintain(self, name: str, deadline: Deadline) -> None:
+        """Repeat the command if necessary; raise an error if the motion cannot continue."""
         self._check_emergency_stop(deadline, Outcome.UNKNOWN)
         if not self._command(self._commanding.again(), name, deadline, Outcome.UNKNOWN):
             raise CommandError(
-                f"nobody listens to {self._commanding.topic} any more on the way to {name!r}, expected it; "
-                "start it again and look where it is",
+                f"{self._commanding.topic} has no subscriber any more during the move to {name!r}, expected "
+                "the arm; start it again and check its position",
                 Outcome.UNKNOWN,
             )
 
-    def _command(self, post: Post | None, name: str, deadline: Deadline, outcome: Outcome) -> bool:
-        """Publish unless the arm was told to stop; return whether somebody listens."""
-        with self._posting:
+    def _command(self, outgoing: Outgoing | None, name: str, deadline: Deadline, outcome: Outcome) -> bool:
+        """Publish unless `stop` was called; return whether the topic has a subscriber."""
+        with self._publishing:
             if self._stopped:
                 raise CommandError(
-                    f"the arm was told to stop on its way to {name!r}; repeat the command once it may go on",
+                    f"the arm was told to stop during the move to {name!r}; repeat the command when it may "
+                    "move",
                     outcome,
                 )
-            return post is None or self._post(*post, deadline)
+            return outgoing is None or self._publish_once(*outgoing, deadline)
 
-    def _elsewhere(self, name: str, news: News, ended: str | None) -> str:
-        target, joints = self._options.taught[name], self._own(news)
+    def _elsewhere(self, name: str, received: Received, ended: str | None) -> str:
+        target, joints = self._options.taught[name], self._joint_positions(received)
         says = f" ({ended})" if ended else ""
         return (
-            f"the arm stands still at {told(joints)}{says}, {distance(target, joints):.4f} from viewpoint "
-            f"{name!r} ({told(target)}), expected at most {self._options.tolerance:g}; clear its way and "
-            "repeat"
+            f"the arm stands still at {joints_text(joints)}{says}, {distance(target, joints):.4f} from "
+            f"viewpoint {name!r} ({joints_text(target)}), expected at most {self._options.tolerance:g}; "
+            "clear its way and repeat"
         )
 
-    def _judged(self, viewpoint: int) -> Outcome:
-        """Tell by where the arm stands whether it did what was not seen to end."""
+    def _outcome_from_position(self, viewpoint: int) -> Outcome:
+        """Return the outcome of a move whose end was not observed, from the arm's position."""
         name = self._options.viewpoints[viewpoint]
         watch, number = self._watch(name), 0
         deadline = Deadline(self._options.stalled + HEALTH_TIMEOUT)
-        while (news := self._await(deadline, number)) is not None:
-            number = news.number
-            motion = watch.see(news.stamp, self._own(news))
+        while (received := self._await(deadline, number)) is not None:
+            number = received.number
+            motion = watch.see(received.stamp, self._joint_positions(received))
             if motion is Motion.ARRIVED:
                 return Outcome.DONE
             if motion is Motion.ELSEWHERE:
@@ -202,7 +208,7 @@ class Ros1Arm(Ros1Device):
         o = self._options
         return Standstill(o.taught[name], tolerance=o.tolerance, still=o.still, stalled=o.stalled)
 
-    def _own(self, news: News | None) -> dict[str, float]:
+    def _joint_positions(self, received: Received | None) -> dict[str, float]:
         """Return the positions of the arm's joints."""
-        joints = {} if news is None else joints_of(news.message)
+        joints = {} if received is None else joints_of(received.message)
         return {name: position for name, position in joints.items() if name in self._joints}

@@ -1,9 +1,9 @@
-"""A belt that counts the objects at its end."""
+"""A belt commanded by the number of the object at its end."""
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import NOWHERE
 from beltsort.drivers.ros.ledger import Ledger
-from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, News, Ros1Device, emergency_stop
+from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
 from beltsort.drivers.ros1.link import Deadline, Link
 from beltsort.drivers.ros1.options import Ros1BeltOptions
 from beltsort.errors import CellError
@@ -12,7 +12,7 @@ from beltsort.errors import CellError
 class Ros1Belt(Ros1Device):
     """A belt on ROS 1.
 
-    Its state has no stamp in ROS; the stop is taken to be when the report of it arrived.
+    The state's message has no stamp; the time of a stop is the arrival of the message that reports it.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ class Ros1Belt(Ros1Device):
         return max(NOWHERE, int(state.message["data"]))
 
     def stop(self) -> None:
-        """Tell the belt to stop."""
+        """Command the belt to stop."""
         self.connect()
         self._publish(self._options.stop_topic, {}, Deadline(HEALTH_TIMEOUT))
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
-        """Tell what became of a command, by the object at the belt end where no answer came."""
+        """Return the outcome of a command, from the object at the belt end if its end was not observed."""
         if command_id not in self._ledger:
             return Outcome.UNKNOWN
         command = self._ledger[command_id]
@@ -69,14 +69,14 @@ class Ros1Belt(Ros1Device):
         return Outcome.DONE if arrived else Outcome.UNKNOWN
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring object number `index` of the run to the belt end; return the time of its stop there.
+        """Bring object `index` to the belt end; return the time at which the belt stopped.
 
-        Seconds of ROS time.
+        The time is in seconds on the monotonic clock.
 
         Raises
         ------
         CommandError
-            If the belt is beyond it, cannot be reached, or does not report it in time.
+            If the belt has passed the object, cannot be reached, or does not report it in time.
         """
         return self._ledger.once("advance_to", index, command_id, lambda: self._advance(index, timeout))
 
@@ -100,19 +100,19 @@ class Ros1Belt(Ros1Device):
             state = self._arrival(index, state, deadline, timeout)
         return state.stamp
 
-    def _current(self, deadline: Deadline) -> News | None:
-        """Return the next report: the newest one may be a belt's that has been restarted since."""
+    def _current(self, deadline: Deadline) -> Received | None:
+        """Return the next report, since the newest one may be from before a restart of the belt."""
         newest = self._await(deadline, at_most=0.0)
         return self._await(deadline, newest.number if newest else 0)
 
-    def _arrival(self, index: int, state: News, deadline: Deadline, timeout: float) -> News:
+    def _arrival(self, index: int, state: Received, deadline: Deadline, timeout: float) -> Received:
         while state.message["data"] != index:
             following = self._await(deadline, state.number)
             self._check_emergency_stop(deadline, Outcome.UNKNOWN)
             if following is None:
                 raise CommandError(
                     f"the belt reported {state.message['data']} last, expected {index} within {timeout:g} s; "
-                    "look at the belt",
+                    "check the belt",
                     Outcome.UNKNOWN,
                 )
             state = following

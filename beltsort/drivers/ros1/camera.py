@@ -8,27 +8,28 @@ from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import Scan
 from beltsort.drivers.ros.checks import check_pose
 from beltsort.drivers.ros.clouds import Cloud, points_of
-from beltsort.drivers.ros.joints import standing_at, told
-from beltsort.drivers.ros1.device import News, Ros1Device
+from beltsort.drivers.ros.joints import joints_text, standing_at
+from beltsort.drivers.ros1.device import Received, Ros1Device
 from beltsort.drivers.ros1.link import Deadline, Link
 from beltsort.drivers.ros1.options import Ros1CameraOptions
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
-AHEAD = 0.1
-"""Seconds by which a stamp may be later than its arrival: no clocks are synchronised better than that."""
+CLOCK_TOLERANCE = 0.1
+"""Largest time by which a stamp may be later than its arrival, seconds: the error of clock "
+"synchronisation."""
 
 
 class Ros1Camera(Ros1Device):
     """A camera on ROS 1.
 
     A cloud that is too old, in another frame, empty, truncated, without a finite point or without a known
-    pose is passed over, and the next one waited for.
+    pose is ignored, and the device waits for the next one.
 
     Parameters
     ----------
     options
-        Its topic and how its pose is known.
+        Its topic and the source of its pose.
     """
 
     def __init__(self, options: Ros1CameraOptions) -> None:
@@ -53,17 +54,17 @@ class Ros1Camera(Ros1Device):
         Raises
         ------
         CommandError
-            If none comes in time; the message says what was wrong with the last cloud.
+            If there is none in time; the message gives the problem of the last cloud.
         """
         if not np.isfinite(not_before):
             raise CellError(f"not_before is {not_before}, expected a time, seconds; give a number")
         deadline = Deadline(timeout)
         self._link.connect(deadline.left())
         number, refused = 0, "none came"
-        while (news := self._await(deadline, number, not_before)) is not None:
-            number = news.number
+        while (received := self._await(deadline, number, not_before)) is not None:
+            number = received.number
             try:
-                return self._scan_of(news, not_before, deadline)
+                return self._scan_of(received, not_before, deadline)
             except CellError as reason:
                 refused = str(reason)
         raise CommandError(
@@ -71,25 +72,25 @@ class Ros1Camera(Ros1Device):
             Outcome.NOT_DONE,
         )
 
-    def _scan_of(self, news: News, not_before: float, deadline: Deadline) -> Scan:
-        if news.ahead > AHEAD:
+    def _scan_of(self, received: Received, not_before: float, deadline: Deadline) -> Scan:
+        if received.ahead > CLOCK_TOLERANCE:
             raise CellError(
-                f"its stamp {news.ros_stamp:.3f} is {news.ahead:.3f} s later than its arrival, expected at "
-                f"most {AHEAD:g} s; synchronise the clocks of camera and cell"
+                f"its stamp {received.ros_stamp:.3f} is {received.ahead:.3f} s later than its arrival, "
+                f"expected at most {CLOCK_TOLERANCE:g} s; synchronise the clocks of camera and cell"
             )
-        if news.stamp < not_before:
+        if received.stamp < not_before:
             raise CellError(
-                f"its stamp {news.ros_stamp:.3f} is {not_before - news.stamp:.3f} s too old, expected one "
-                "after the stop of everything that moves; look at the camera, and at the clocks"
+                f"its stamp {received.ros_stamp:.3f} is {not_before - received.stamp:.3f} s too old, "
+                "expected one after arm and belt have stopped; check the camera and the clocks"
             )
-        frame = news.message["header"]["frame_id"].lstrip("/")
+        frame = received.message["header"]["frame_id"].lstrip("/")
         if frame != self._options.frame.lstrip("/"):
             raise CellError(
                 f"it is in the frame {frame!r}, expected {self._options.frame!r}; take the cloud of the "
                 "optical frame"
             )
-        points = points_of(_cloud(news.message, news.data))
-        return Scan(points, self._pose(frame, news.ros_stamp, deadline), news.stamp, frame)
+        points = points_of(_cloud(received.message, received.data))
+        return Scan(points, self._pose(frame, received.ros_stamp, deadline), received.stamp, frame)
 
     def _pose(self, frame: str, stamp: float, deadline: Deadline) -> Pose:
         if self._options.world_frame:
@@ -101,11 +102,14 @@ class Ros1Camera(Ros1Device):
         topic = self._options.joint_topic
         message = self._link.newest(topic, deadline, wait=deadline.left()).values["message"]
         if message is None:
-            raise CellError(f"{topic} does not tell where the arm stands; start what publishes there")
+            raise CellError(f"no joint states on {topic}, expected the arm's position; start their publisher")
         joints = joints_of(message)
         name = standing_at(self._options.taught, joints, self._options.tolerance)
         if name is None:
-            raise CellError(f"the arm stands at no viewpoint ({told(joints)}); move it to one")
+            raise CellError(
+                f"the arm is at {joints_text(joints)}, expected within {self._options.tolerance:g} of a "
+                "taught viewpoint; move it to one"
+            )
         return check_pose(name, self._options.poses[name])
 
 

@@ -1,4 +1,4 @@
-"""The two ways in which arms on ROS 1 take joint positions."""
+"""The two interfaces by which arms on ROS 1 are commanded."""
 
 from typing import Any, Protocol
 from uuid import uuid4
@@ -9,42 +9,42 @@ from beltsort.drivers.ros1.options import Ros1ArmOptions
 from beltsort.drivers.ros1.status import RUNNING, SUCCEEDED
 
 POSITION_MODE = 1
-"""JointCommand's number of it."""
+"""Position mode of JointCommand."""
 
-Post = tuple[str, dict[str, Any]]
-"""A topic, and the message for it."""
+Outgoing = tuple[str, dict[str, Any]]
+"""A topic and a message to publish on it."""
 
 
 class Commanding(Protocol):
-    """How an arm is told where to go."""
+    """An interface by which an arm is commanded."""
 
     topic: str
-    """Where the arm listens."""
+    """The topic to which the arm subscribes."""
     publish: dict[str, str]
     subscribe: dict[str, str]
     repeats: bool
-    """Whether a motion lasts only as long as it is repeated."""
+    """Whether commands must be repeated during a motion."""
 
-    def begin(self, target: Joints) -> Post:
-        """Return what starts a motion."""
+    def begin(self, target: Joints) -> Outgoing:
+        """Return the message that starts a motion."""
 
-    def again(self) -> Post | None:
-        """Return what keeps it going, if anything must."""
+    def again(self) -> Outgoing | None:
+        """Return the message to repeat during a motion, if any."""
 
-    def halt(self, joints: Joints) -> Post:
-        """Return what ends any motion of an arm that is at `joints`."""
+    def halt(self, joints: Joints) -> Outgoing:
+        """Return the message that stops an arm whose joints are at `joints`."""
 
     def ended(self, link: Link, deadline: Deadline) -> str | None:
-        """Return what the arm says of how the motion ended; None if it runs, or the arm does not say."""
+        """Return how the arm reports the end of the motion; None while it runs, or if it does not report."""
 
 
 class JointCommands:
-    """Positions, repeated: an arm that hears nothing for a while (0.2 s on Baxter) stops by itself.
+    """Repeated target positions; without them the arm stops after a timeout (0.2 s on Baxter).
 
     Parameters
     ----------
     topic
-        Takes baxter_core_msgs/JointCommand.
+        Topic of baxter_core_msgs/JointCommand.
     """
 
     def __init__(self, topic: str) -> None:
@@ -54,33 +54,33 @@ class JointCommands:
         self.subscribe: dict[str, str] = {}
         self._target: Joints = {}
 
-    def begin(self, target: Joints) -> Post:
+    def begin(self, target: Joints) -> Outgoing:
         """Return the target."""
         self._target = target
         return self.halt(target)
 
-    def again(self) -> Post:
-        """Return the target once more."""
+    def again(self) -> Outgoing:
+        """Return the target again."""
         return self.halt(self._target)
 
-    def halt(self, joints: Joints) -> Post:
+    def halt(self, joints: Joints) -> Outgoing:
         """Return the command to be at `joints`."""
         positions = [float(position) for position in joints.values()]
         return self.topic, {"mode": POSITION_MODE, "names": list(joints), "command": positions}
 
     def ended(self, link: Link, deadline: Deadline) -> None:
-        """Tell nothing: only the joint states do."""
+        """Return None: the end shows only in the joint states."""
 
 
 class TrajectoryAction:
-    """A trajectory of one point, as a goal of an action.
+    """A trajectory of one point, as the goal of an action.
 
     Parameters
     ----------
     action
         Namespace of a control_msgs/FollowJointTrajectory action.
     seconds
-        How long a motion is to take.
+        Duration of a motion, seconds.
     """
 
     def __init__(self, action: str, seconds: float) -> None:
@@ -94,8 +94,8 @@ class TrajectoryAction:
         }
         self.subscribe = {f"{action}/status": "actionlib_msgs/GoalStatusArray"}
 
-    def begin(self, target: Joints) -> Post:
-        """Return a new goal; one that the server knows would be ignored."""
+    def begin(self, target: Joints) -> Outgoing:
+        """Return a goal with a new id; the server ignores known ids."""
         self._goal = f"beltsort-{uuid4().hex}"
         whole = int(self._seconds)
         point = {
@@ -106,9 +106,9 @@ class TrajectoryAction:
         return self.topic, {"goal_id": {"id": self._goal}, "goal": {"trajectory": trajectory}}
 
     def again(self) -> None:
-        """Return nothing: a goal is given once."""
+        """Return None: a goal is sent once."""
 
-    def halt(self, _joints: Joints) -> Post:
+    def halt(self, _joints: Joints) -> Outgoing:
         """Return the request to cancel every goal."""
         return f"{self._action}/cancel", {"id": ""}
 
@@ -123,7 +123,7 @@ class TrajectoryAction:
 
 
 def commanding(options: Ros1ArmOptions) -> Commanding:
-    """Return the way that the options choose."""
+    """Return the interface chosen by the options."""
     if options.joint_command_topic:
         return JointCommands(options.joint_command_topic)
     return TrajectoryAction(options.action, options.seconds)

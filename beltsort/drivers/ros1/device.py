@@ -1,4 +1,4 @@
-"""What the devices have in common: a node, and a topic by which the other side shows itself."""
+"""The base class of the devices: a link to a node, and the topic on which the device publishes."""
 
 import time
 from typing import Any, NamedTuple, Self
@@ -12,24 +12,25 @@ from beltsort.drivers.ros1.master import node_pid
 from beltsort.drivers.ros1.options import Ros1ActuatorOptions
 from beltsort.geometry import Pose
 
-SLICE = 0.25
-"""Seconds for which the node is asked to wait at a time, so that a deadline can say what came instead."""
+WAIT_SLICE = 0.25
+"""Longest wait of one request to the node, seconds; at a deadline the error describes what arrived "
+"instead."""
 
-LISTENERS = 0.05
-"""Seconds between looks whether somebody listens."""
+SUBSCRIBER_INTERVAL = 0.05
+"""Interval at which the number of subscribers is polled, seconds."""
 
 FIRST_MESSAGE = 2.0
-"""Seconds within which `health` expects a message from the other side."""
+"""Timeout of the first message from the device in `health`, seconds."""
 
 HEALTH_TIMEOUT = 1.0
-"""Seconds that master and node may each take to answer `health`."""
+"""Timeout of the master's and the node's replies in `health`, seconds each."""
 
 
-class News(NamedTuple):
-    """A message, with the bytes of a point cloud.
+class Received(NamedTuple):
+    """A received message, with the bytes of a point cloud.
 
-    Its stamp is in seconds of this machine's monotonic clock, `ros_stamp` in ROS time as it was sent; `ahead`
-    says by how many seconds it was later than its arrival, which no stamp should be.
+    `stamp` is in seconds of this computer's monotonic clock, `ros_stamp` in ROS time as sent. `ahead` is the
+    time in seconds by which the stamp is later than the arrival, which is 0 if clocks are synchronised.
     """
 
     number: int
@@ -42,16 +43,16 @@ class News(NamedTuple):
 
 
 class Ros1Device:
-    """A device on the other side of a link.
+    """A device behind a link.
 
     Parameters
     ----------
     link
-        The way to our node.
+        The link to beltsort's node.
     topic
-        What the device publishes of itself.
+        Topic on which the device publishes its state.
     emergency_stop_topic
-        Tells whether the emergency stop is pressed; empty: nothing does.
+        Topic of the state of the emergency stop; empty if there is none.
     """
 
     def __init__(self, link: Link, topic: str, *, emergency_stop_topic: str = "") -> None:
@@ -61,21 +62,21 @@ class Ros1Device:
 
     @property
     def address(self) -> str:
-        """The master and the topic of which the device tells."""
+        """The master's URI and the device's topic."""
         return f"{self._link.master.uri}{self._topic}"
 
     def connect(self) -> None:
-        """Start our node, if it does not run, and register with the master.
+        """Start beltsort's node, if it does not run, and register it with the master.
 
         Raises
         ------
         CommandError
-            `NOT_DONE` if the master does not answer, our node does not start, or rospy is missing.
+            `NOT_DONE` if the master does not answer, the node does not start, or rospy is missing.
         """
         self._link.connect()
 
     def close(self) -> None:
-        """End our node. A later call starts it again."""
+        """End the node. A later call starts it again."""
         self._link.close()
 
     def __enter__(self) -> Self:
@@ -83,13 +84,13 @@ class Ros1Device:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End our node."""
+        """End the node."""
         self.close()
 
     def health(self) -> Health:
-        """Say whether the other side publishes and answers.
+        """Return whether the device publishes and its node answers.
 
-        The boot id changes when the master or the other side restarts.
+        The boot id changes when the master or the device's node restarts.
 
         Raises
         ------
@@ -101,7 +102,7 @@ class Ros1Device:
         if not self._node:
             self._await(Deadline(FIRST_MESSAGE))
         if not self._node:
-            return Health(False, master, f"nothing arrives on {self._topic}; start what publishes there")
+            return Health(False, master, f"no message on {self._topic}; start its publisher")
         uri = self._link.master.node_uri(self._node, HEALTH_TIMEOUT)
         if uri is None:
             return Health(False, master, f"the node {self._node} has left the master; start it again")
@@ -115,14 +116,15 @@ class Ros1Device:
         return Health(True, boot_id)
 
     def _check_emergency_stop(self, deadline: Deadline, outcome: Outcome) -> None:
-        """Raise an error with this outcome if the emergency stop is pressed, or what should tell does not."""
+        """Raise an error with this outcome if the emergency stop is pressed, or its state is unknown."""
         topic = self._emergency_stop_topic
         if not topic:
             return
         message = self._link.newest(topic, deadline, wait=FIRST_MESSAGE).values["message"]
         if message is None:
             raise CommandError(
-                f"nothing on {topic} tells whether the emergency stop is pressed; start what publishes there",
+                f"no message on {topic} within {FIRST_MESSAGE:g} s, expected the state of the emergency "
+                "stop; start its publisher",
                 outcome,
             )
         if message["data"]:
@@ -132,11 +134,11 @@ class Ros1Device:
 
     def _await(
         self, deadline: Deadline, after: int = 0, not_before: float = 0.0, *, at_most: float = float("inf")
-    ) -> News | None:
-        """Return a message of this device beyond number `after`; None at the deadline or `at_most` later."""
+    ) -> Received | None:
+        """Return a message with a number above `after`; None at the deadline, or after `at_most` seconds."""
         end = Deadline(min(at_most, deadline.left()))
         while True:
-            wait = min(SLICE, end.left())
+            wait = min(WAIT_SLICE, end.left())
             values, data = self._link.newest(
                 self._topic, deadline, after=after, wait=wait, not_before=not_before
             )
@@ -144,41 +146,41 @@ class Ros1Device:
             if values["message"] is not None:
                 self._node = values["node"]
                 stamps = (values["stamp"], values["ros_stamp"], values["ahead"])
-                return News(after, *stamps, values["node"], values["message"], data)
+                return Received(after, *stamps, values["node"], values["message"], data)
             if end.left() == 0.0:
                 return None
 
     def _pose_in(self, world: str, frame: str, stamp: float, deadline: Deadline) -> Pose:
-        """Return the pose of a frame as tf has it, shape (4, 4)."""
+        """Return the pose of a frame from tf, shape (4, 4)."""
         asked = {"world": world, "camera": frame, "stamp": stamp}
-        return np.array(self._link.ask("pose", SLICE + deadline.left(), **asked).values["pose"])
+        return np.array(self._link.ask("pose", WAIT_SLICE + deadline.left(), **asked).values["pose"])
 
     def _publish(self, topic: str, message: dict[str, Any], deadline: Deadline) -> None:
-        """Publish a message, waiting for somebody to listen.
+        """Publish a message, waiting for a subscriber.
 
         Raises
         ------
         CommandError
-            `NOT_DONE` if nobody listens by the deadline.
+            `NOT_DONE` if there is no subscriber by the deadline.
         """
-        while not self._post(topic, message, deadline):
-            self._lie_in_wait(topic, deadline)
+        while not self._publish_once(topic, message, deadline):
+            self._wait_for_subscriber(topic, deadline)
 
-    def _lie_in_wait(self, topic: str, deadline: Deadline) -> None:
-        """Let time pass until somebody may listen; raise a `CommandError` at the deadline."""
+    def _wait_for_subscriber(self, topic: str, deadline: Deadline) -> None:
+        """Sleep until the next poll for a subscriber; raise a `CommandError` at the deadline."""
         if deadline.left() == 0.0:
             raise CommandError(
-                f"nobody listens to {topic}, expected the device; start it, or mend the topic's name",
+                f"{topic} has no subscriber, expected the device; start it, or correct the topic's name",
                 Outcome.NOT_DONE,
             )
-        time.sleep(min(LISTENERS, deadline.left()))
+        time.sleep(min(SUBSCRIBER_INTERVAL, deadline.left()))
 
-    def _post(self, topic: str, message: dict[str, Any], deadline: Deadline) -> bool:
-        """Publish a message if anybody listens; return whether somebody does."""
+    def _publish_once(self, topic: str, message: dict[str, Any], deadline: Deadline) -> bool:
+        """Publish a message if the topic has a subscriber; return whether it has."""
         answer = self._link.ask("publish", deadline.left() + GRACE, topic=topic, message=message)
         return bool(answer.values["listeners"])
 
 
 def emergency_stop(options: Ros1ActuatorOptions) -> dict[str, str]:
-    """Return the subscription to the emergency stop's state, if there is one."""
+    """Return the subscription to the state of the emergency stop, if the options name its topic."""
     return {options.emergency_stop_topic: "std_msgs/Bool"} if options.emergency_stop_topic else {}

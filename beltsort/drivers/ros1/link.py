@@ -1,4 +1,4 @@
-"""The way to a node in another process: deadlines, and starting it anew."""
+"""A link to a node in another process, with deadlines and restarts."""
 
 import time
 from collections.abc import Iterable
@@ -12,17 +12,17 @@ from beltsort.drivers.ros1.options import Ros1Options
 from beltsort.drivers.ros1.process import Answer, NodeProcess
 
 MASTER_TIMEOUT = 2.0
-"""Seconds that the master may take to answer."""
+"""Timeout of the master's replies, seconds."""
 
 START_TIMEOUT = 20.0
-"""Seconds for a new node: rospy takes one on an idle computer."""
+"""Timeout of the start of a node, seconds; it takes one on an idle computer."""
 
 GRACE = 1.0
-"""Seconds by which our node may miss a deadline, before it is taken to hang."""
+"""Time by which the node may miss a deadline before it is considered to hang, seconds."""
 
 
 class Deadline:
-    """What is left of a timeout.
+    """The end of a timeout, seconds.
 
     Examples
     --------
@@ -39,22 +39,22 @@ class Deadline:
 
 
 class Link:
-    """One ROS 1 node, started when it is first needed and again when it or the master was restarted.
+    """A ROS 1 node, started when it is first needed and restarted after it or the master was restarted.
 
     Parameters
     ----------
     options
-        Where the ROS 1 system is.
+        Address of the ROS 1 system.
     role
         Part of the node's name.
     publish, subscribe
         Message type of each topic.
     joints
-        Joint states that do not name all of these are passed over.
+        Joint states without all of these joints are ignored.
     tf
-        Whether to listen to tf.
+        Whether to subscribe to tf.
     pose_age
-        How far from the time asked for a transform may be, seconds.
+        Largest difference between a requested time and that of a transform, seconds.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Link:
         self._process: NodeProcess | None = None
 
     def connect(self, timeout: float = START_TIMEOUT) -> None:
-        """See to it that the node runs and the master knows it, in time.
+        """Start the node unless it runs and is registered with the master.
 
         Raises
         ------
@@ -88,19 +88,19 @@ class Link:
             if running is None or not running.alive() or not self._known(running, asking):
                 self.close()
                 deadline = Deadline(timeout)
-                self.master.identity(asking)  # rospy waits for a master without end
+                self.master.identity(asking)  # rospy waits for a master without a timeout
                 name = f"beltsort_{self._role}_{uuid4().hex[:8]}"
                 self._process = NodeProcess(self._options, {**self._setup, "name": name}, deadline.left())
 
     def ask(self, request: str, timeout: float, **arguments: Any) -> Answer:
-        """Ask the node; connect first.
+        """Send a request to the node, which must be connected, and return its answer.
 
         Raises
         ------
         CommandError
-            `UNKNOWN` if it does not answer in time, or died.
+            `UNKNOWN` if it does not answer in time, or has ended.
         CellError
-            What the node refused, in its words.
+            If the request fails, with the node's message.
         """
         process = self._process
         if process is None:
@@ -112,10 +112,10 @@ class Link:
     def newest(
         self, topic: str, deadline: Deadline, *, after: int = 0, wait: float = 0.0, not_before: float = 0.0
     ) -> Answer:
-        """Return the newest message of `topic` beyond number `after`; its "message" is None if none came.
+        """Return the newest message of `topic` with a number above `after`.
 
-        Waits for it, at most to the deadline. A message with a stamp earlier than `not_before` comes without
-        its bytes.
+        "message" is None if there is none within `wait` seconds, or by the deadline. The bytes of a message
+        with a stamp earlier than `not_before` are omitted.
         """
         left = deadline.left()
         asked = {"topic": topic, "after": after, "wait": min(wait, left), "not_before": not_before}

@@ -1,4 +1,4 @@
-"""The master's XML-RPC interface, with deadlines: rospy's own calls wait as long as the network likes."""
+"""The XML-RPC interface of the master, with timeouts, which rospy's own calls do not have."""
 
 from collections.abc import Callable
 from http.client import HTTPConnection, HTTPException
@@ -11,7 +11,7 @@ Result = TypeVar("Result")
 
 CALLER = "/beltsort"
 FOUND = 1
-"""What status ROS 1 gives to success."""
+"""Status code of success."""
 
 
 class _Deadline(Transport):
@@ -38,7 +38,7 @@ class Master:
         self.uri = uri
 
     def identity(self, timeout: float) -> str:
-        """Return what changes when the master restarts: its process and, from roscore, its run.
+        """Return an identity that changes when the master restarts: its process id and roscore's run id.
 
         Raises
         ------
@@ -53,7 +53,7 @@ class Master:
         return _call(self.uri, "the ROS master", timeout, ask)
 
     def node_uri(self, name: str, timeout: float) -> str | None:
-        """Return where the master believes a node to be; None if it knows no such node."""
+        """Return the URI of a node; None if the master does not know it."""
 
         def ask(proxy: Any) -> str | None:
             code, _, uri = proxy.lookupNode(CALLER, name)
@@ -63,7 +63,7 @@ class Master:
 
 
 def node_pid(name: str, uri: str, timeout: float) -> int:
-    """Return the process of a node, from itself.
+    """Return the process id of a node, which is asked for it.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def _call(uri: str, who: str, timeout: float, ask: Callable[[Any], Result]) -> R
     except (CommandError, OSError, Error, HTTPException, LookupError, TypeError, ValueError) as reason:
         raise CommandError(
             f"{who} at {uri} does not answer ({type(reason).__name__}: {reason}), expected an answer within "
-            f"{timeout:g} s; start it, or mend its address",
+            f"{timeout:g} s; start it, or correct its address",
             Outcome.NOT_DONE,
         ) from reason
 

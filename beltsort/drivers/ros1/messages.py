@@ -1,6 +1,6 @@
-"""Messages of ROS 1 as plain values, and those that Debian has no package for.
+"""Classes of ROS 1 messages, including those without a Debian package.
 
-Loaded in the node's process only: it needs genpy and the message packages.
+Imported in the node's process only, since it needs genpy and the message packages.
 """
 
 import atexit
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
-"""Between a definition and those it needs, as in a message's full text."""
+"""Separator between a definition and those that it depends on."""
 
 JOINT_COMMAND = """\
 int32 mode
@@ -55,9 +55,9 @@ def message_class(kind: str) -> Any:
 
 
 def _made(kind: str) -> Any:
-    """Return a class made from its definition.
+    """Return a class generated from its definition.
 
-    genpy leaves its source in a temporary folder until the process exits, which a killed one never does.
+    genpy deletes the generated source at exit, which a killed process does not reach, so it is deleted here.
     """
     made = import_module("genpy.dynamic").generate_dynamic(kind, DEFINITIONS[kind])[kind]
     shutil.rmtree(Path(inspect.getfile(made)).parent)

@@ -1,8 +1,8 @@
 """A ROS 1 node in a process of its own: `python -m beltsort.drivers.ros1.node FD`.
 
-rospy registers once in a process, for ever, and some of its calls wait without end; so it lives here, and can
-be killed. Requests come over a socket as JSON, answers go back as JSON and, for point clouds, bytes. The node
-ends with the socket.
+rospy can be initialised only once per process, and some of its calls block without a timeout; a process of
+its own can be killed. Requests are JSON over a socket, answers are JSON and, for point clouds, bytes. The
+node ends when the socket is closed.
 """
 
 import json
@@ -20,18 +20,18 @@ from beltsort.drivers.ros1.messages import message_class
 from beltsort.errors import CellError
 
 GOODBYE = 1.0
-"""Seconds for leaving the master in good order."""
+"""Timeout of unregistering from the master, seconds."""
 
 RECEIVE_BUFFER = 2**25
-"""Bytes; rospy drops old messages only if a whole one fits in here."""
+"""Size of the receive buffer, bytes; rospy drops old messages only if a complete one fits into it."""
 
 JOINT_STATE, CLOUD = "sensor_msgs/JointState", "sensor_msgs/PointCloud2"
 QUEUE = 100
-"""Messages other than clouds that may wait to be looked at; of clouds only the newest counts."""
+"""Queue size of topics other than clouds, of which only the newest is kept."""
 
 
 class Mailbox:
-    """The newest message of a topic; of joint states, the newest that names certain joints."""
+    """The newest message of a topic; of joint states, the newest that contains the given joints."""
 
     def __init__(self, rospy: Any, topic: str, kind: str, joints: set[str]) -> None:
         self._clock: Callable[[], float] = rospy.get_time
@@ -41,23 +41,23 @@ class Mailbox:
         rospy.Subscriber(
             topic,
             message_class(kind),
-            self._take,
+            self._receive,
             queue_size=1 if kind == CLOUD else QUEUE,
             buff_size=RECEIVE_BUFFER,
             tcp_nodelay=True,
         )
 
-    def _take(self, message: Any) -> None:
+    def _receive(self, message: Any) -> None:
         if self._joints and not self._joints <= set(message.name):
-            return  # of another part of the robot
+            return  # joint states of another part of the robot
         with self._arrival:
             self._newest = Arrived(self._newest.number + 1, time.monotonic(), self._clock(), message)
             self._arrival.notify_all()
 
     def newest(self, after: int, wait: float) -> "Arrived":
-        """Return the newest message if its number is beyond `after`.
+        """Return the newest message if its number is above `after`.
 
-        Waits for it; its content is None if none came.
+        Waits for it for `wait` seconds; the content is None if there is none.
         """
         with self._arrival:
             self._arrival.wait_for(lambda: self._newest.number > after, wait)
@@ -74,18 +74,18 @@ class Arrived(NamedTuple):
 
     @property
     def stamp(self) -> float:
-        """Its stamp in ROS time; that of its arrival if it has none."""
+        """Stamp in ROS time; the time of arrival if it has none."""
         header = getattr(self.message, "header", None)
         return (0.0 if header is None else float(header.stamp.to_sec())) or self.ros_time
 
     @property
     def age(self) -> float:
-        """Seconds from its stamp to its arrival; below 0 if the clocks do not agree or one was set."""
+        """Time from stamp to arrival, seconds; negative if clocks are not synchronised."""
         return self.ros_time - self.stamp
 
 
 class Node:
-    """What can be asked of the node; every public method is a request."""
+    """The requests to the node: each public method handles one."""
 
     def __init__(self, rospy: Any, setup: dict[str, Any]) -> None:
         self._rospy = rospy
@@ -105,11 +105,11 @@ class Node:
             rospy.Subscriber("/tf_static", transforms, self._fixed, queue_size=QUEUE)
 
     def newest(self, topic: str, after: int, wait: float, not_before: float) -> tuple[dict[str, Any], bytes]:
-        """Return the newest message beyond number `after`, and its bytes if it is not stale."""
+        """Return the newest message with a number above `after`, and its bytes if it is not stale."""
         return answered(self._mailboxes[topic].newest(after, wait), not_before)
 
     def publish(self, topic: str, message: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
-        """Publish a message if anybody listens; return how many do."""
+        """Publish a message if there are subscribers; return their number."""
         publisher = self._publishers[topic]
         listeners = publisher.get_num_connections()
         if listeners:
@@ -119,7 +119,7 @@ class Node:
         return {"listeners": listeners}, b""
 
     def pose(self, world: str, camera: str, stamp: float) -> tuple[dict[str, Any], bytes]:
-        """Return `world_from_camera` as tf has it."""
+        """Return `world_from_camera` from tf."""
         with self._lock:
             return {"pose": self._frames.pose(world, camera, stamp).tolist()}, b""
 
@@ -139,10 +139,10 @@ class Node:
 
 
 def answered(arrived: Arrived, not_before: float) -> tuple[dict[str, Any], bytes]:
-    """Return what is told of a message, and its bytes if it is not stale.
+    """Return the answer for a message, and its bytes if it is not stale.
 
-    Its "stamp" is brought to the monotonic clock by its age at arrival: clocks that are set while a cell
-    works change the order of nothing.
+    "stamp" is converted to the monotonic clock by the message's age at arrival, so that setting a clock does
+    not change the order of events.
     """
     message = arrived.message
     if message is None:
@@ -183,7 +183,7 @@ def serve(connection: Connection) -> None:
     def act(number: int, name: str, **arguments: Any) -> None:
         try:
             answer, data = getattr(node, name)(**arguments)
-        except Exception as reason:  # whatever it is, the other side is told
+        except Exception as reason:  # every error is reported to the other process
             known = isinstance(reason, CellError)
             answer, data = {"error": str(reason) if known else f"{type(reason).__name__}: {reason}"}, b""
         send({"id": number, **answer}, data)
@@ -201,7 +201,7 @@ def serve(connection: Connection) -> None:
 
 
 def main() -> None:
-    """Serve, and leave in good order if that is quick."""
+    """Serve, then unregister from the master within a timeout."""
     try:
         serve(Connection(int(sys.argv[1])))
     except (EOFError, OSError):
@@ -210,7 +210,7 @@ def main() -> None:
             leaving = threading.Thread(target=rospy.signal_shutdown, args=("done",), daemon=True)
             leaving.start()
             leaving.join(GOODBYE)
-    os._exit(0)  # rospy's threads may wait for ever
+    os._exit(0)  # rospy's threads may block without a timeout
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What of a ROS 1 system is the camera, the arm, the belt and the sorter."""
+"""Options of camera, arm, belt and sorter on a ROS 1 system."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,18 +10,17 @@ from beltsort.errors import CellError
 
 @dataclass(frozen=True, kw_only=True)
 class Ros1Options:
-    """Where the ROS 1 system is.
+    """Addresses of a ROS 1 system.
 
-    A ROS 1 master has no access control: keep it, and `address`, on the loopback or on a network of the
-    cell's own.
+    A ROS 1 master has no access control: use the loopback interface or an isolated network.
 
     Attributes
     ----------
     master
         The master's URI (ROS_MASTER_URI).
     address
-        This computer's address in the eyes of the other nodes (ROS_IP); on the loopback, nodes elsewhere
-        cannot reach it.
+        Address of this computer for the other nodes (ROS_IP); with a loopback address, nodes on other
+        computers cannot connect.
     """
 
     master: str = "http://127.0.0.1:11311"
@@ -30,12 +29,12 @@ class Ros1Options:
 
 @dataclass(frozen=True, kw_only=True)
 class Ros1ActuatorOptions(Ros1Options):
-    """What arm, belt and sorter have in common.
+    """Options of arm, belt and sorter.
 
     Attributes
     ----------
     emergency_stop_topic
-        std_msgs/Bool, latched or repeated: whether the emergency stop is pressed. Empty: nothing tells.
+        std_msgs/Bool, latched or repeated: whether the emergency stop is pressed. Empty if there is none.
     """
 
     emergency_stop_topic: str = ""
@@ -43,10 +42,10 @@ class Ros1ActuatorOptions(Ros1Options):
 
 @dataclass(frozen=True, kw_only=True)
 class Ros1CameraOptions(Ros1Options):
-    """A camera that publishes point clouds, and how its pose is known.
+    """Options of a camera that publishes point clouds.
 
-    Either by tf (`world_frame`), or by the joint states: at a taught viewpoint the camera has a known pose.
-    By neither, it does not tell its pose, and a cell asks the arm.
+    Its pose comes from tf (`world_frame`), or from the joint states (`taught` and `poses`). With neither, the
+    camera does not report its pose, and the cell uses that of the arm.
 
     Attributes
     ----------
@@ -55,10 +54,10 @@ class Ros1CameraOptions(Ros1Options):
     frame
         The camera's optical frame, in which the clouds must be (x right, y down, z forward).
     world_frame
-        tf's frame of the robot's world, in which the pose is told: the one on the belt surface under the belt
-        end (`beltsort.geometry`), or that of which the cell file's `world_from_belt` speaks.
+        tf's name of the robot's world frame: the belt frame (`beltsort.geometry`), or the frame to which the
+        cell file's `world_from_belt` refers.
     pose_age
-        How far from a cloud's stamp the pose that is taken may be, seconds.
+        Largest difference between the stamps of a cloud and of its pose, seconds.
     joint_topic
         sensor_msgs/JointState.
     taught
@@ -66,7 +65,7 @@ class Ros1CameraOptions(Ros1Options):
     poses
         `world_from_camera` at each of these viewpoints in the robot's world, shape (4, 4).
     tolerance
-        How far each joint may be from its taught position, radians.
+        Largest deviation of a joint from its taught position, radians.
     """
 
     topic: str
@@ -79,7 +78,7 @@ class Ros1CameraOptions(Ros1Options):
     tolerance: float = 0.02
 
     def __post_init__(self) -> None:
-        """Refuse a pose that two things tell, or half a thing does."""
+        """Check that the pose has at most one source, with all its options."""
         by_joints = [bool(self.joint_topic), bool(self.taught), bool(self.poses)]
         if any(by_joints) and (self.world_frame or not all(by_joints)):
             raise CellError(
@@ -100,33 +99,33 @@ class Ros1CameraOptions(Ros1Options):
 
 @dataclass(frozen=True, kw_only=True)
 class Ros1ArmOptions(Ros1ActuatorOptions):
-    """An arm that reports its joints and takes joint positions.
+    """Options of an arm that publishes joint states and is commanded by joint positions.
 
     Attributes
     ----------
     viewpoints
-        Their names, in the order of the model.
+        Names of the viewpoints, in the order of the model.
     taught
         Joint positions of each viewpoint, by its name and the joint's, radians.
     world_frame, flange_frame
-        tf's frames of the robot's world and of the flange, for a camera that does not tell its pose; none if
-        empty.
+        tf's names of the robot's world frame and of the flange's frame, for a camera that does not report its
+        pose; empty if not used.
     pose_age
-        How far from the newest joint states' stamp the flange's pose may be, seconds.
+        Largest difference between the stamps of the newest joint states and of the flange's pose, seconds.
     joint_topic
         sensor_msgs/JointState.
     joint_command_topic
-        Takes baxter_core_msgs/JointCommand in position mode, repeated while the arm moves.
+        baxter_core_msgs/JointCommand in position mode, repeated while the arm moves.
     action
-        Or: a control_msgs/FollowJointTrajectory action, by its namespace.
+        Alternatively, the namespace of a control_msgs/FollowJointTrajectory action.
     seconds
-        How long a motion by the action is to take.
+        Duration of a motion by the action, seconds.
     tolerance
-        How far each joint may be from its target, radians.
+        Largest deviation of a joint from its target, radians.
     still
-        For how long the joints must have stood still, seconds.
+        Time for which the joints must stand still at the target to have arrived, seconds.
     stalled
-        An arm that stands still elsewhere for so long, seconds, does not arrive.
+        Time after which an arm that stands still elsewhere is considered not to arrive, seconds.
     """
 
     viewpoints: tuple[str, ...]
@@ -143,16 +142,16 @@ class Ros1ArmOptions(Ros1ActuatorOptions):
     stalled: float = 2.0
 
     def __post_init__(self) -> None:
-        """Refuse an arm that cannot be commanded, or not to every viewpoint."""
+        """Check that the arm has one command interface, and joint positions for every viewpoint."""
         if bool(self.joint_command_topic) == bool(self.action):
             raise CellError(
-                f"joint_command_topic is {self.joint_command_topic!r} and action {self.action!r}; give the "
-                "one that the arm listens to"
+                f"joint_command_topic is {self.joint_command_topic!r} and action {self.action!r}; expected "
+                "one of them; give the interface of the arm"
             )
         if bool(self.world_frame) != bool(self.flange_frame):
             raise CellError(
-                f"world_frame is {self.world_frame!r} and flange_frame {self.flange_frame!r}; give both for "
-                "the flange's pose by tf, or none"
+                f"world_frame is {self.world_frame!r} and flange_frame {self.flange_frame!r}; expected both "
+                "for the flange's pose from tf, or none; give the other, or leave this one out"
             )
         check_positive(self, "seconds", "tolerance", "still", "stalled", "pose_age")
         check_taught(self.taught)
@@ -165,17 +164,17 @@ class Ros1ArmOptions(Ros1ActuatorOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class Ros1BeltOptions(Ros1ActuatorOptions):
-    """A belt that counts.
+    """Options of a belt that reports the number of the object at its end.
 
     Attributes
     ----------
     command_topic
-        Takes std_msgs/Int32: the number of the object to bring to the belt end.
+        Subscribed by the belt, std_msgs/Int32: the number of the object to bring to the belt end.
     state_topic
-        std_msgs/Int32, at 5 Hz or more: the number of the object at the belt end while the belt stands,
-        negative while it moves.
+        Published by the belt, std_msgs/Int32, at 5 Hz or more: the number of the object at the belt end while
+        the belt stands, negative while it moves.
     stop_topic
-        Takes std_msgs/Empty: stop now.
+        Subscribed by the belt, std_msgs/Empty: stop at once.
     """
 
     command_topic: str = "/belt/target"
@@ -185,16 +184,18 @@ class Ros1BeltOptions(Ros1ActuatorOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class Ros1SorterOptions(Ros1ActuatorOptions):
-    """A sorter that keeps a record of command ids.
+    """Options of a sorter that remembers keys of commands.
 
     Attributes
     ----------
     command_topic
-        Takes diagnostic_msgs/KeyValue: a key, on which it acts once, and the number of the bin.
+        Subscribed by the sorter, diagnostic_msgs/KeyValue: a key, which is executed once, and the number of
+        the bin.
     state_topic
-        actionlib_msgs/GoalStatusArray, at 10 Hz or more: what became of each key that it remembers.
+        Published by the sorter, actionlib_msgs/GoalStatusArray, at 10 Hz or more: the status of each key that
+        it remembers.
     stop_topic
-        Takes std_msgs/Empty: stop now.
+        Subscribed by the sorter, std_msgs/Empty: stop at once.
     """
 
     command_topic: str = "/sorter/command"
@@ -202,7 +203,7 @@ class Ros1SorterOptions(Ros1ActuatorOptions):
     stop_topic: str = "/sorter/stop"
 
     def __post_init__(self) -> None:
-        """Refuse a sorter that would hear itself."""
+        """Check that the topics differ."""
         topics = (self.command_topic, self.state_topic, self.stop_topic)
         if len({topic for topic in topics if topic}) < len(topics):
             raise CellError(

@@ -1,4 +1,4 @@
-"""The process in which rospy runs: requests to it, and its answers."""
+"""The process in which rospy runs, its requests and answers."""
 
 import json
 import os
@@ -20,7 +20,7 @@ PACKAGES = "on Debian, run scripts/bootstrap, or sudo apt-get install python3-ro
 
 
 class Answer(NamedTuple):
-    """What the node said: plain values, and the bytes of a point cloud."""
+    """An answer of the node: plain values, and the bytes of a point cloud."""
 
     values: dict[str, Any]
     data: bytes
@@ -32,11 +32,11 @@ class NodeProcess:
     Parameters
     ----------
     options
-        Where the ROS 1 system is.
+        Address of the ROS 1 system.
     setup
-        The node's name, its topics and types, and what it keeps of tf.
+        The node's name, its topics and their types, and its use of tf.
     timeout
-        Seconds that the start may take.
+        Timeout of the start, seconds.
 
     Raises
     ------
@@ -54,7 +54,7 @@ class NodeProcess:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 env=_environment(options),
-                start_new_session=True,  # Control-C is for us: stopping a device needs its node
+                start_new_session=True,  # keeps the node alive on Ctrl-C, to stop devices
             )
         self._connection = Connection(ours.detach())
         self._sending, self._numbers = Lock(), count(1)
@@ -79,14 +79,14 @@ class NodeProcess:
         try:
             return self._result(ready, timeout, "starting").values
         except CommandError as reason:
-            raise CommandError(f"{reason}; connect() waits as long as it takes", Outcome.NOT_DONE) from reason
+            raise CommandError(f"{reason}; connect() has a longer timeout", Outcome.NOT_DONE) from reason
 
     def alive(self) -> bool:
-        """Tell whether the process runs."""
+        """Return whether the process runs."""
         return not self._connection.closed and self._process.poll() is None
 
     def ask(self, request: str, timeout: float, **arguments: Any) -> Answer:
-        """Send a request and wait for its answer; one that is late is dropped."""
+        """Send a request and return its answer; a late answer is discarded."""
         number, future = next(self._numbers), Future[Answer]()
         self._waiting[number] = future
         try:
@@ -99,7 +99,7 @@ class NodeProcess:
         return answer
 
     def end(self, patience: float = 2.0) -> None:
-        """Close the socket, with which the process ends; kill it if it does not in `patience` seconds."""
+        """Close the socket, which ends the process; kill it if it does not end within `patience` seconds."""
         with suppress(OSError):
             socket.socket(fileno=os.dup(self._connection.fileno())).shutdown(socket.SHUT_RDWR)
         try:
@@ -140,14 +140,14 @@ class NodeProcess:
             return future.result()
         except EOFError as reason:
             raise CommandError(
-                f"the ROS node {self.name} ended while it was asked ({what}); its last words are on standard "
-                "error, try again",
+                f"the ROS node {self.name} ended during a request ({what}), expected an answer; see standard "
+                "error for the reason, and try again",
                 Outcome.UNKNOWN,
             ) from reason
 
 
 def _environment(options: Ros1Options) -> dict[str, str]:
-    """Return the environment of a node: our packages, and where ROS is."""
+    """Return the environment of a node, with this process's `sys.path` and the addresses of ROS."""
     path = os.pathsep.join(entry or os.curdir for entry in sys.path)
     ros = {"ROS_MASTER_URI": options.master, "ROS_IP": options.address, "ROS_HOSTNAME": options.address}
     return {**os.environ, "PYTHONPATH": path, **ros}

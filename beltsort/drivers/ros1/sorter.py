@@ -1,10 +1,10 @@
-"""A sorter that keeps a record of command ids."""
+"""A sorter that remembers keys of commands."""
 
 from itertools import count, takewhile
 
 from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
 from beltsort.drivers.ros.ledger import Ledger
-from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, News, Ros1Device, emergency_stop
+from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
 from beltsort.drivers.ros1.link import Deadline, Link
 from beltsort.drivers.ros1.options import Ros1SorterOptions
 from beltsort.drivers.ros1.status import REFUSED, RUNNING, SUCCEEDED
@@ -14,9 +14,9 @@ from beltsort.errors import CellError
 class Ros1Sorter(Ros1Device):
     """A sorter on ROS 1.
 
-    A sort must not be repeated blindly, so the sorter itself has to remember what it was told: it acts on a
-    key once, and reports what became of it. A key is the command's id and the number of the attempt, as
-    "id/1"; a command that was refused is sent again as the next attempt.
+    A sort must not be executed twice, so the sorter must remember keys: it executes a key once, and publishes
+    its status. A key is the command id with the number of the attempt, "id/1" for example; a command that was
+    rejected is sent again as the next attempt.
 
     Parameters
     ----------
@@ -35,26 +35,26 @@ class Ros1Sorter(Ros1Device):
         self._options = options
         self._ledger = Ledger()
         self._boot_ids: dict[str, str] = {}
-        """Of the sorter, when each command was first sent."""
+        """Boot id of the sorter when each command was first sent."""
 
     def stop(self) -> None:
-        """Tell the sorter to stop."""
+        """Command the sorter to stop."""
         self.connect()
         self._publish(self._options.stop_topic, {}, Deadline(HEALTH_TIMEOUT))
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
-        """Tell what became of a command, by the sorter's record where no answer came."""
+        """Return the outcome of a command, from the sorter's status if its end was not observed."""
         if command_id in self._ledger and self._ledger[command_id].outcome is not Outcome.UNKNOWN:
             return self._ledger[command_id].outcome
         try:
             self.connect()
-            news = self._await(Deadline(HEALTH_TIMEOUT))
+            received = self._await(Deadline(HEALTH_TIMEOUT))
         except CellError:
             return Outcome.UNKNOWN
-        statuses = _statuses(news)
+        statuses = _statuses(received)
         attempts = takewhile(statuses.__contains__, (f"{command_id}/{number}" for number in count(1)))
-        told = [statuses[key][0] for key in attempts]
-        return _outcome(told[-1]) if told else Outcome.UNKNOWN
+        known = [statuses[key][0] for key in attempts]
+        return _outcome(known[-1]) if known else Outcome.UNKNOWN
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`.
@@ -62,39 +62,39 @@ class Ros1Sorter(Ros1Device):
         Raises
         ------
         CommandError
-            If the sorter refuses it, cannot be reached, or does not report its end in time. A command whose
+            If the sorter rejects it, cannot be reached, or does not report its end in time. A command whose
             outcome is unknown is not sent again to a sorter that was restarted.
         """
-        unsettled = command_id in self._ledger and self._ledger[command_id].outcome is Outcome.UNKNOWN
+        unresolved = command_id in self._ledger and self._ledger[command_id].outcome is Outcome.UNKNOWN
 
         def act() -> float:
-            return self._sort(label, command_id, timeout, unsettled)
+            return self._sort(label, command_id, timeout, unresolved)
 
         self._ledger.once("sort", label, command_id, act)
 
-    def _sort(self, label: int, command_id: str, timeout: float, unsettled: bool) -> float:
+    def _sort(self, label: int, command_id: str, timeout: float, unresolved: bool) -> float:
         deadline = Deadline(timeout)
         try:
-            key = self._send(label, command_id, deadline, unsettled)
+            key = self._send(label, command_id, deadline, unresolved)
         except CommandError as failure:
-            if unsettled:  # an earlier attempt may have acted, whatever hinders this one
+            if unresolved:  # an earlier attempt may have been executed
                 failure.outcome = Outcome.UNKNOWN
             raise
         return self._end(key, deadline, timeout)
 
-    def _send(self, label: int, command_id: str, deadline: Deadline, unsettled: bool) -> str:
-        """Send a command to a sorter that is well; return the key."""
+    def _send(self, label: int, command_id: str, deadline: Deadline, unresolved: bool) -> str:
+        """Send a command if the sorter is ready; return its key."""
         self._link.connect(deadline.left())
         health = self.health()
         if not health.ready:
             kind = EmergencyStopError if health.emergency_stop else CommandError
             raise kind(f"the sorter takes no commands: {health.fault}", Outcome.NOT_DONE)
-        if not unsettled:
+        if not unresolved:
             self._boot_ids.pop(command_id, None)
         if self._boot_ids.setdefault(command_id, health.boot_id) != health.boot_id:
             raise CommandError(
-                f"command {command_id!r} was sent before the sorter was restarted, which has forgotten it; "
-                "look where the object is, and go on under a new id",
+                f"command {command_id!r} was sent before the sorter was restarted and has forgotten it; "
+                "check where the object is, and use a new id",
                 Outcome.UNKNOWN,
             )
         key = _key(command_id, _statuses(self._await(deadline)))
@@ -102,38 +102,38 @@ class Ros1Sorter(Ros1Device):
         return key
 
     def _end(self, key: str, deadline: Deadline, timeout: float) -> float:
-        """Return when the sorter reported that a command is done."""
+        """Wait for the end of a command; return the time at which the sorter reported it, seconds."""
         number = 0
-        while (news := self._await(deadline, number)) is not None:
-            number = news.number
-            status, text = _statuses(news).get(key, (None, ""))
+        while (received := self._await(deadline, number)) is not None:
+            number = received.number
+            status, text = _statuses(received).get(key, (None, ""))
             if status == SUCCEEDED:
-                return news.stamp
+                return received.stamp
             if status in REFUSED:
                 raise CommandError(
-                    f"the sorter refused {key!r}: {text}; mend that and repeat", Outcome.NOT_DONE
+                    f"the sorter refused {key!r}: {text}; resolve this and repeat", Outcome.NOT_DONE
                 )
             if status is not None and status not in RUNNING:
                 raise CommandError(
-                    f"the sorter broke {key!r} off ({status}): {text}; look where the object is",
+                    f"the sorter broke {key!r} off ({status}): {text}; check where the object is",
                     Outcome.BROKEN_OFF,
                 )
             self._check_emergency_stop(deadline, Outcome.UNKNOWN)
         raise CommandError(
-            f"the sorter reported no end of {key!r} on {self._topic} within {timeout:g} s; look at it and "
-            "ask it what became of the command",
+            f"the sorter reported no end of {key!r} on {self._topic} within {timeout:g} s; check it and "
+            "ask for the outcome",
             Outcome.UNKNOWN,
         )
 
 
-def _statuses(news: News | None) -> dict[str, tuple[int, str]]:
+def _statuses(received: Received | None) -> dict[str, tuple[int, str]]:
     """Return the status and its explanation of each key that the sorter remembers."""
-    listed = [] if news is None else news.message["status_list"]
+    listed = [] if received is None else received.message["status_list"]
     return {entry["goal_id"]["id"]: (entry["status"], entry["text"]) for entry in listed}
 
 
 def _outcome(status: int) -> Outcome:
-    """Return what a key's status means."""
+    """Return the outcome for the status of a key."""
     if status == SUCCEEDED:
         return Outcome.DONE
     if status in RUNNING:
@@ -142,6 +142,6 @@ def _outcome(status: int) -> Outcome:
 
 
 def _key(command_id: str, statuses: dict[str, tuple[int, str]]) -> str:
-    """Return the key of a command's first attempt that was not refused."""
+    """Return the key of the first attempt that was not rejected."""
     attempts = (f"{command_id}/{number}" for number in count(1))
     return next(key for key in attempts if statuses.get(key, (None, ""))[0] not in REFUSED)

@@ -1,18 +1,18 @@
-"""Has the arm arrived? Told from its joint states alone."""
+"""Detection of the end of a motion from joint states."""
 
 from enum import Enum
 
 from beltsort.drivers.ros.joints import Joints, distance
 
 JITTER = 0.25
-"""How far joints that stand still may seem to move, as a share of the tolerance."""
+"""Largest apparent motion of joints that stand still, as a fraction of the tolerance."""
 
 
 class Motion(Enum):
-    """What the joint states say of a motion."""
+    """The state of a motion."""
 
     MOVING = "moving"
-    """Or not standing still for long enough yet."""
+    """Moving, or not standing still for long enough yet."""
     ARRIVED = "arrived"
     """Standing still at the target."""
     ELSEWHERE = "elsewhere"
@@ -20,19 +20,19 @@ class Motion(Enum):
 
 
 class Standstill:
-    """Watches joint states.
+    """Detects from joint states whether an arm has arrived, or has stopped elsewhere.
 
     Parameters
     ----------
     target
-        Where the joints are to be, radians.
+        Target positions of the joints, radians.
     tolerance
-        How far each may be from there, radians.
+        Largest deviation of a joint from its target, radians.
     still
-        For how long they must have stood still to have arrived, seconds.
+        Time for which the joints must stand still at the target to have arrived, seconds.
     stalled
-        For how long they must have stood still to be elsewhere, seconds. A silence of more than half of it
-        says nothing about the time in between.
+        Time for which they must stand still elsewhere to have stopped there, seconds. After a gap of more
+        than half of it between joint states, the time starts again.
 
     Examples
     --------
@@ -51,7 +51,7 @@ class Standstill:
         self._last = float("-inf")
 
     def see(self, stamp: float, joints: Joints) -> Motion:
-        """Take in where the joints are at a time (seconds); not older than the last one."""
+        """Add the joint positions at a time (seconds), not older than the last one; return the state."""
         jitter = JITTER * self._tolerance
         unseen = stamp - self._last > self._silence
         if self._since is None or unseen or distance(self._own(self._since[1]), joints) > jitter:
@@ -63,7 +63,7 @@ class Standstill:
         return Motion.ELSEWHERE if standing >= self._stalled else Motion.MOVING
 
     def expect_no_more(self) -> None:
-        """Take in that the motion has ended: where the arm stands still is where it stays."""
+        """Note that the motion has ended, so that a short standstill elsewhere is final."""
         self._stalled = self._still
 
     def _own(self, joints: Joints) -> Joints:

@@ -1,4 +1,4 @@
-"""The line to a controller: one connection at a time, and a new one when it fails or hangs."""
+"""A link to a controller that reconnects after a failure or a timeout."""
 
 import time
 from collections.abc import Callable
@@ -8,31 +8,32 @@ from threading import Lock
 from typing import TypeAlias
 
 from beltsort.cell.commands import CommandError, Outcome, within
-from beltsort.drivers.fieldbus.link import Conversation, Link, Order
+from beltsort.drivers.fieldbus.link import Conversation, Link, RequestBody
 from beltsort.drivers.fieldbus.wire import Reply
 
 Connect: TypeAlias = Callable[[float], Link]
-"""Builds a new connection; its argument is how many seconds each call of the driver may take."""
+"""Opens a connection; the argument is the timeout of each call of the fieldbus library, seconds."""
 
 
 HANDSHAKE = 5.0
-"""How much longer connecting may take than an answer: it exchanges several messages, and certificates."""
+"""Timeout of connecting as a multiple of that of a reply, since it exchanges several messages."""
 
 
 class Deadline:
-    """Seconds that are left of a timeout."""
+    """The end of a timeout, seconds."""
 
     def __init__(self, timeout: float) -> None:
         if not (isfinite(timeout) and timeout > 0.0):
             raise CommandError(
-                f"timeout is {timeout}, expected seconds above 0; give a number", Outcome.NOT_DONE
+                f"timeout is {timeout}, expected a finite number of seconds above 0; give one",
+                Outcome.NOT_DONE,
             )
         self.timeout = timeout
         self._end = time.monotonic() + timeout
 
     @property
     def left(self) -> float:
-        """Seconds until the deadline, never 0: what is tried at the last moment may still succeed."""
+        """Seconds until the deadline, at least 1 ms, so that the last attempt may still succeed."""
         return max(1e-3, self._end - time.monotonic())
 
     @property
@@ -41,17 +42,17 @@ class Deadline:
         return time.monotonic() >= self._end
 
 
-class Line:
-    """Sends orders over one connection at a time, from any thread.
+class ReconnectingLink:
+    """Sends requests over one connection at a time. Thread-safe.
 
-    A connection that failed or hung is never used again.
+    A connection that failed or timed out is closed; the next request opens a new one.
 
     Parameters
     ----------
     connect
-        Builds a connection.
+        Opens a connection.
     answer_timeout
-        Seconds that the controller may take to acknowledge a request.
+        Timeout of the acknowledgement of a request, seconds.
     """
 
     def __init__(self, connect: Connect, answer_timeout: float) -> None:
@@ -61,39 +62,42 @@ class Line:
         self._conversation: Conversation | None = None
         self._sent: int | None = None
 
-    def insist(self, order: Order, deadline: Deadline) -> Reply:
-        """Send what may be sent twice; if an old connection fails, once more over a new one."""
+    def send_repeatable(self, body: RequestBody, deadline: Deadline) -> Reply:
+        """Send a request that may be repeated; if an open connection fails, retry over a new one."""
         if self._conversation is not None:
-            with suppress(Exception):  # whatever the driver raises, the new connection tells
-                return self.send(order, deadline)
-        return self.send(order, deadline)
+            with suppress(Exception):  # any exception; the new connection raises its own
+                return self.send(body, deadline)
+        return self.send(body, deadline)
 
-    def send(self, order: Order, deadline: Deadline) -> Reply:
-        """Send an order once, over the connection at hand or a new one; raises whatever the driver raises."""
+    def send(self, body: RequestBody, deadline: Deadline) -> Reply:
+        """Send a request once, over the open connection or a new one; raises the library's exceptions."""
         if not self._lock.acquire(timeout=deadline.left):
-            raise TimeoutError("another thread's request takes too long")
+            raise TimeoutError(
+                f"another thread's request took longer than {deadline.timeout:g} s; retry, or give a longer "
+                "timeout"
+            )
         try:
             if self._conversation is None:
                 self._conversation = self._connected(min(HANDSHAKE * self._answer_timeout, deadline.left))
             conversation = self._conversation
             seconds = min(self._answer_timeout, deadline.left)
-            return within(seconds, "the answer", lambda: conversation.ask(order, seconds))
+            return within(seconds, "the answer", lambda: conversation.ask(body, seconds))
         except BaseException:
-            self._hang_up()
+            self._close_connection()
             raise
         finally:
             self._lock.release()
 
     def close(self) -> None:
-        """Give the connection up."""
+        """Close the connection."""
         with self._lock:
-            self._hang_up()
+            self._close_connection()
 
     def _connected(self, seconds: float) -> Conversation:
-        """Build a new connection; one that comes late is closed at once."""
+        """Open a connection; one that is established after the timeout is closed."""
         end = time.monotonic() + seconds
 
-        def dial() -> Conversation:
+        def connect() -> Conversation:
             link = self._connect(seconds)
             try:
                 conversation = Conversation(link, self._sent)
@@ -104,9 +108,9 @@ class Line:
                 link.close()
             return conversation
 
-        return within(seconds, "connecting", dial)
+        return within(seconds, "connecting", connect)
 
-    def _hang_up(self) -> None:
+    def _close_connection(self) -> None:
         if self._conversation is not None:
             self._sent = self._conversation.sequence
             self._conversation.close()
