@@ -1,4 +1,4 @@
-"""How fast one object's feature vector is."""
+"""Speed of the feature vector of one object."""
 
 import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture

@@ -1,4 +1,4 @@
-"""How long `import beltsort` takes in a new interpreter, on top of the interpreter itself."""
+"""Duration of `import beltsort` in a new interpreter, without its start."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""What the loop costs besides scans and plans: beliefs, rules, and a journal on the disk at every step."""
+"""Overhead of the sorting loop besides scans and plans: beliefs, rules, and a durable journal."""
 
 import itertools
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""How fast planning and simulation are, called from Python."""
+"""Speed of planning and simulation, called from Python."""
 
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture

@@ -1,4 +1,4 @@
-"""A classifier of your own objects, from their meshes: scanned in the simulated cell, kept in a file."""
+"""Train a classifier on meshes of your own objects, by scans of the simulated cell, and save it."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,7 +23,7 @@ PYRAMID = """OFF
 
 
 def flattened(off: str, factor: float) -> str:
-    """Return the mesh with another height of its tip."""
+    """Return the mesh with the height of its tip scaled."""
     return off.replace("0 0 0.12", f"0 0 {0.12 * factor:g}")
 
 
@@ -34,7 +34,7 @@ def main() -> None:
         meshes.mkdir()
         (meshes / "pyramid.off").write_text(PYRAMID)
         (meshes / "cap.off").write_text(flattened(PYRAMID, 0.7))
-        trained = train_from_meshes(meshes, objects=2, seed=1)  # 40 objects or more in earnest
+        trained = train_from_meshes(meshes, objects=2, seed=1)  # use 40 objects or more
         trained.database.save(Path(folder) / "classifier.npz")
         database = NearestNeighbour.load(Path(folder) / "classifier.npz")
     print(f"{len(database.labels)} views of {', '.join(database.classes)}")

@@ -1,4 +1,4 @@
-"""A model from your own counts: how often each true class got each label, as a spreadsheet exports it."""
+"""Build a model from your own counts of labels, exported from a spreadsheet as CSV."""
 
 import csv
 from io import StringIO
@@ -17,12 +17,12 @@ COUNTS = """position,viewpoint,true,observed,objects
 1,right,bolt,nut,25
 1,right,bolt,bolt,75
 """
-SMOOTHING = 1.0  # one imagined object per entry: a zero would make beliefs irrevocable
+SMOOTHING = 1.0  # pseudo-count per entry; with a zero, a single label could rule out a class for good
 
 
 def main() -> None:
     """Read the counts, build the model, ask for the first action."""
-    rows = list(csv.DictReader(StringIO(COUNTS)))  # open("counts.csv") in earnest
+    rows = list(csv.DictReader(StringIO(COUNTS)))  # with a file: open("counts.csv")
     positions, viewpoints, classes = (sorted({row[key] for row in rows}) for key in KEYS)
     counts = np.zeros((len(positions), len(viewpoints), len(classes), len(classes)), dtype=int)
     for row in rows:

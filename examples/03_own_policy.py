@@ -1,4 +1,4 @@
-"""A policy of your own: any object with a method `act` can be simulated, compared, and run by the loop."""
+"""Write a policy of your own: any object with a method `act` can be simulated and compared."""
 
 import beltsort
 from beltsort.models import paper
@@ -11,7 +11,7 @@ class Rounds:
         self.viewpoints, self.threshold = len(model.viewpoints), threshold
 
     def act(self, belief: beltsort.Belief, viewpoint: int) -> beltsort.Move | beltsort.Decide:
-        """Name the next action."""
+        """Return the next action."""
         label, probability = belief.most_likely(0)
         if probability >= self.threshold:
             return beltsort.Decide(label)

@@ -1,11 +1,11 @@
-"""Planners on the same objects: differences are paired by batch, so few batches tell them apart."""
+"""Compare planners on the same objects: paired differences need few batches."""
 
 import beltsort
 from beltsort.models import paper
 
 
 def main() -> None:
-    """Hold DESPOT and a threshold against the offline solution."""
+    """Compare DESPOT and a threshold policy with the offline solution."""
     model = paper()
     solution = beltsort.solve(model, seconds=2.0)
     policies: dict[str, beltsort.Policy] = {

@@ -1,4 +1,4 @@
-"""A model for other solvers: Cassandra's .pomdp format, as SARSOP and others read it."""
+"""Export a model to Cassandra's .pomdp format, which SARSOP and other solvers read."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -7,7 +7,7 @@ from beltsort.models import paper
 
 
 def main() -> None:
-    """Write the paper's instance with one position and show how the file begins."""
+    """Write the paper's instance with one position, and print the first lines of the file."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "paper.pomdp"
         paper().with_positions(1).to_pomdp(path)

@@ -1,7 +1,7 @@
-"""Recorded scans played back: a look from every viewpoint goes into a ROS bag, and is perceived from there.
+"""Record a scan from every viewpoint to a ROS bag, play the bag back, and segment the scans.
 
-Any bag with clouds and camera poses will do, ROS 1 or 2: docs/ros.md says what it must hold. Needs the extra
-`replay`.
+Any bag with clouds and camera poses can be used, ROS 1 or 2: docs/ros.md lists what it must contain. Needs
+the extra `replay`.
 """
 
 from pathlib import Path
@@ -15,7 +15,7 @@ from beltsort.sim import SimulatedCell
 
 
 def record(folder: Path) -> tuple[str, ...]:
-    """Record a simulated cell, as one would a real one; return the viewpoints' names."""
+    """Record a simulated cell, in the same way as a real one; return the names of the viewpoints."""
     cell = SimulatedCell([0, 1], seed=1)
     with Recorder(folder) as recorder:
         arm = RecordingArm(cell, recorder, cell.viewpoints)
@@ -25,20 +25,20 @@ def record(folder: Path) -> tuple[str, ...]:
     return cell.viewpoints
 
 
-def told(scan: Scan) -> str:
-    """Say what stands at each belt position."""
+def findings_text(scan: Scan) -> str:
+    """Return what perception finds at each belt position."""
     return ", ".join(str(finding) for finding in segment(scan, BeltLayout()).findings)
 
 
 def main() -> None:
-    """Record, play back, and look."""
+    """Record, play back, and print the findings."""
     with TemporaryDirectory() as folder:
         bag = Path(folder) / "looks"
         names = record(bag)
         replay = Replay(ReplayOptions(path=str(bag), viewpoints=names))
         for viewpoint, name in enumerate(names):
             scan = replay.scan(not_before=replay.move_to(viewpoint, f"move-{viewpoint}"))
-            print(f"{name}: {told(scan)}")
+            print(f"{name}: {findings_text(scan)}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""One curve of the paper's Fig. 6 by hand: points, rows, estimates, and what they say of the claim."""
+"""Reproduce one point of the paper's Fig. 6 with the functions of `beltsort.paper`."""
 
 from beltsort import paper
 

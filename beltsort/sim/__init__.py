@@ -1,9 +1,9 @@
 """A simulated cell: belt, cups, bulbs, structured-light camera.
 
-A table collected here says what the simulator was set to, not how a real cell behaves. Axial, lateral and
-disparity noise are published measurements; how glass returns the pattern and how objects lie in their cups
-are plausible choices (`SensorNoise`, `PoseMix`), made so that classes are confused neither rarely nor
-hopelessly.
+Observation tables estimated here describe the simulator's settings, not a real cell. Axial, lateral and
+disparity noise follow published measurements; the model of glass surfaces and the poses of objects in their
+cups (`SensorNoise`, `PoseMix`) are plausible choices, with which the classifier often errs but is far better
+than chance.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -28,7 +28,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Load the cell, and with it Open3D, on first use."""
+    """Import `SimulatedCell`, and with it Open3D, on first use."""
     if name == "SimulatedCell":
         from beltsort.sim.cell import SimulatedCell
 

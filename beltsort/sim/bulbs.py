@@ -1,4 +1,4 @@
-"""The four bulb shapes as outlines of surfaces of revolution, screw cap down, metres."""
+"""The four bulb classes as outlines of surfaces of revolution, screw cap down, metres."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from beltsort.sim.surfaces import Mesh, Profile, refine, revolve
 
 CLASSES = ("elongated", "livarno", "mushroom", "standard")
 
-OUTLINE_STEP = 0.0025  # metres; fine enough that resting on vertices is resting on the surface
+OUTLINE_STEP = 0.0025  # metres; fine enough to compute resting poses from vertices alone
 
 E27_CAP = [(0, 0), (5, 0), (8, 4), (13, 6), (13, 25)]  # (radius, height), millimetres
 E14_CAP = [(0, 0), (3, 0), (4, 3), (7, 4), (7, 18)]
@@ -49,5 +49,5 @@ def outline(name: str) -> Profile:
 
 
 def bulb(name: str) -> Mesh:
-    """Return the mesh of a bulb class in its nominal size: cap down, its tip at the origin, axis along z."""
+    """Return the mesh of a bulb class in nominal size: cap down, its tip at the origin, axis along z."""
     return revolve(refine(outline(name), OUTLINE_STEP))

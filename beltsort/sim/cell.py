@@ -1,4 +1,4 @@
-"""The simulated cell: the same Protocols as real hardware, on a simulated clock."""
+"""The simulated cell: all four devices, on a simulated clock."""
 
 from collections.abc import Callable, Sequence
 from typing import Self
@@ -15,35 +15,34 @@ from beltsort.sim.noise import noisy_depth
 from beltsort.sim.world import World
 from beltsort.util.randomness import generator
 
-SCAN_STREAM = 1  # keeps the draws of scans apart from those of objects
+SCAN_STREAM = 1  # random stream of scans, distinct from that of objects
 
 
 class SimulatedCell:
     """A belt of bulbs in cups, a structured-light camera on an arm, and bins.
 
-    Object n of the run is of class `true_labels[n]`. Its size and pose are a function of (`seed`, n) and stay
-    until it is sorted; the errors of a scan are a function of (`seed`, object at the belt end, scans since it
-    arrived). So neither depends on what was done before, and policies that are compared see the same objects
-    and noise.
+    Object n of the run is of class `true_labels[n]`. Its size and pose are a function of (`seed`, n), and do
+    not change until it is sorted; the errors of a scan are a function of (`seed`, object at the belt end,
+    number of scans since it arrived). Neither depends on earlier actions, so that policies are compared with
+    the same objects and noise.
 
     Parameters
     ----------
     true_labels
-        Class index of each object of the run; None is an empty cup. Behind the last object all cups are
-        empty.
+        Class index of each object of the run, None for an empty cup. All cups after the last one are empty.
     config
-        What the cell is set to.
+        Configuration of the cell.
     seed
-        Not negative.
+        Seed, at least 0.
     placement
-        Of belt and camera; camera and flange tell their poses in the robot's world.
+        Transforms between belt, robot's world and flange; poses are reported in the robot's world frame.
 
     Attributes
     ----------
     bins
-        What has been sorted: (object number, label), in order.
+        The objects sorted so far, in order: (object number, label).
     clock
-        Seconds of simulated time.
+        Simulated time, seconds.
 
     Examples
     --------
@@ -73,7 +72,7 @@ class SimulatedCell:
 
     @property
     def config(self) -> CellConfig:
-        """What the cell is set to."""
+        """Configuration of the cell."""
         return self._config
 
     @property
@@ -88,7 +87,7 @@ class SimulatedCell:
 
     @property
     def poses(self) -> tuple[Pose, ...]:
-        """The camera's pose at each viewpoint in the belt's frame, shape (4, 4)."""
+        """The camera's pose at each viewpoint in the belt frame, shape (4, 4)."""
         return tuple(v.pose() for v in self._config.viewpoints)
 
     @property
@@ -122,37 +121,37 @@ class SimulatedCell:
         return self
 
     def health(self) -> Health:
-        """Say that all is well."""
+        """Return that the cell is ready."""
         return Health(ready=True, boot_id="simulated")
 
     def stop(self) -> None:
-        """Do nothing: simulated motions take no time between calls."""
+        """Do nothing: simulated motions end within the call."""
 
     def position(self) -> int:
         """Return the number of the object at the belt end."""
         return self._world.first
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
-        """Tell whether a command was carried out."""
+        """Return the outcome of a command."""
         return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
 
     def follow(self, index: int, stopped: float) -> None:
-        """Have object number `index` at the belt end: a belt that is not simulated has brought it there."""
+        """Set the object at the belt end to `index`, as brought there by a belt of another back-end."""
         self.clock = max(self.clock, stopped)
         if self._world.steps_to(index) > 0:
             self._world.advance_to(index)
             self._looks = 0
 
     def restore(self, index: int, *, first: int, looks: int, taken: bool, clock: float) -> None:
-        """Stand where a run broke off: see `beltsort.cell.protocols.Restorable`."""
+        """Restore the state of an interrupted run: see `beltsort.cell.protocols.Restorable`."""
         self._world.start = first
         self._world.advance_to(index)
         if taken:
-            self._world.take()
+            self._world.remove_object()
         self._looks, self.clock = looks, clock
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring the camera to `viewpoint`; return the time of its stop, seconds on the cell's clock."""
+        """Move the camera to `viewpoint`; return the time at which it stopped, seconds."""
         if not 0 <= viewpoint < len(self.viewpoints):
             raise CommandError(
                 f"viewpoint is {viewpoint}, expected an index from 0 to {len(self.viewpoints) - 1} "
@@ -161,20 +160,20 @@ class SimulatedCell:
             )
 
         def move() -> None:
-            self._pass("the move", self._config.move_seconds, timeout)
+            self._spend("the move", self._config.move_seconds, timeout)
             self._viewpoint = viewpoint
 
         return self._once(("move_to", viewpoint), command_id, move)
 
     def flange_pose(self, **_timeout: float) -> Pose | None:
-        """Return the flange's pose in the robot's world, shape (4, 4); None without a hand-eye transform."""
+        """Return the flange's pose in the robot's world frame, shape (4, 4), or None if it is not known."""
         return self._placement.of_flange(self._pose())
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         """Return a scan whose exposure began at or after `not_before` (seconds on the cell's clock)."""
         if not np.isfinite(not_before):
             raise CellError(f"not_before is {not_before}, expected a time on the cell's clock; give a number")
-        self._pass("waiting for the scan", max(0.0, not_before - self.clock), timeout)
+        self._spend("waiting for the scan", max(0.0, not_before - self.clock), timeout)
         stamp = self.clock
         rng = generator(self._seed, SCAN_STREAM, self._world.first, self._looks)
         self._looks += 1
@@ -184,7 +183,7 @@ class SimulatedCell:
         return Scan(points, self._placement.in_world(reported), stamp)
 
     def _pose(self) -> Pose:
-        """Return the camera's pose in the belt's frame as the arm reports it, shape (4, 4)."""
+        """Return the camera's pose in the belt frame as reported by the arm, shape (4, 4)."""
         return self._config.viewpoints[self._viewpoint].pose()
 
     def _measured(self, world_from_camera: Pose, rng: np.random.Generator) -> Points:
@@ -201,7 +200,7 @@ class SimulatedCell:
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`.
 
-        From an empty cup nothing reaches a bin.
+        If the cup is empty, nothing is put into a bin.
         """
         if not 0 <= label < len(self.classes) and label != self.reject_bin:
             raise CommandError(
@@ -211,24 +210,24 @@ class SimulatedCell:
             )
 
         def sort() -> None:
-            self._world.check_untaken()
-            self._pass("the sort", self._config.sort_seconds, timeout)
+            self._world.check_not_sorted()
+            self._spend("the sort", self._config.sort_seconds, timeout)
             number = self._world.first
-            if self._world.take():
+            if self._world.remove_object():
                 self.bins.append((number, label))
 
         self._once(("sort", label), command_id, sort)
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring object number `index` of the run to the belt end; return the time of its stop there.
+        """Bring object `index` to the belt end; return the time at which the belt stopped.
 
-        Seconds on the cell's clock. Objects that pass the belt end unsorted fall off. The index just behind
-        the last object leaves only empty cups.
+        The time is in seconds on the cell's clock. Objects that pass the belt end unsorted are lost. The
+        index after the last object is valid, and leaves only empty cups.
         """
 
         def advance() -> None:
             steps = self._world.steps_to(index)
-            self._pass("the advance", self._config.advance_seconds * steps, timeout)
+            self._spend("the advance", self._config.advance_seconds * steps, timeout)
             if steps > 0:
                 self._world.advance_to(index)
                 self._looks = 0
@@ -236,7 +235,7 @@ class SimulatedCell:
         return self._once(("advance_to", index), command_id, advance)
 
     def _once(self, command: tuple[str, int], command_id: str, act: Callable[[], None]) -> float:
-        """Carry out a command unless its id was carried out before; return the time it was done."""
+        """Execute a command unless its id was executed before; return the time at which it ended."""
         if command_id not in self._done:
             act()
             self._done[command_id] = (command, self.clock)
@@ -249,11 +248,12 @@ class SimulatedCell:
             )
         return time
 
-    def _pass(self, what: str, seconds: float, timeout: float) -> None:
-        """Let simulated time pass, unless that is more than the caller waits for."""
+    def _spend(self, what: str, seconds: float, timeout: float) -> None:
+        """Advance the simulated clock, unless the duration exceeds the timeout."""
         if seconds > timeout:
             raise CommandError(
-                f"{what} takes {seconds:g} s, more than the timeout of {timeout:g} s; wait longer",
+                f"{what} takes {seconds:g} s, expected at most the timeout of {timeout:g} s; give a longer "
+                "one",
                 Outcome.NOT_DONE,
             )
         self.clock += seconds

@@ -11,7 +11,7 @@ from beltsort.tables.log import LabelLog, Labels, label_missing
 from beltsort.tables.scans import LabelledScan, looks
 from beltsort.util.processes import Progress, in_processes
 
-SCANS = 2  # of every scene that is counted
+SCANS = 2  # scans of every scene for the tables
 
 
 def collect_training(
@@ -25,23 +25,23 @@ def collect_training(
 ) -> NearestNeighbour:
     """Train a classifier on objects of the simulated cell.
 
-    The processes are spawned and import the main module again: a script calls this under
+    Processes are spawned and import the main module again, so a script must call this under
     `if __name__ == "__main__":`.
 
     Parameters
     ----------
     config, perception
-        What the cell and perception are set to.
+        Configuration of the cell, and settings of perception.
     objects
-        Objects of each class at each viewpoint and position. Too few and rare poses have no neighbour; the
-        time grows in proportion.
+        Objects of each class at each viewpoint and position. With too few, rare poses have no neighbour; the
+        time is proportional to it.
     seed
-        Not negative. `collect_counts` with the same seed draws other objects.
+        Seed, at least 0. `collect_counts` with the same seed uses other objects.
     workers
         Processes, at least 1; default one for each core that this process may use. With 1 the work is done in
         this process.
     progress
-        Called with the number of rounds done and in all.
+        Called with the number of rounds done and the total number.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def collect_training(
 
 
 def _described(config: CellConfig, perception: PerceptionConfig, work: Round) -> list[tuple[int, Histogram]]:
-    """Return true class and descriptor of every object of a round that is found well."""
+    """Return true class and descriptor of every object of a round that perception finds."""
     found = []
     for true, (scan,) in work.scenes(config, scans=1):
         segmented = segment(scan, config.layout, perception)
@@ -86,14 +86,14 @@ def collect_counts(
 ) -> Counts:
     """Count the labels of independent objects in every table row.
 
-    As with `collect_training`, a script calls this under `if __name__ == "__main__":`.
+    As with `collect_training`, a script must call this under `if __name__ == "__main__":`.
 
     Parameters
     ----------
     database
         The classifier, with the perception settings that it was trained with.
     config
-        What the cell is set to.
+        Configuration of the cell.
     objects
         Objects in each row (position, viewpoint, true class), each scanned twice. An entry p has the standard
         error sqrt(p (1 - p) / objects).
@@ -129,7 +129,7 @@ def collect_scans(
     database, config, objects, seed, workers, progress
         As in `collect_counts`.
     log
-        Keeps the labels of every round as soon as they are known; what it holds already is not scanned again.
+        Log to which the labels of every round are written; scans that are in it are not labelled again.
 
     Raises
     ------

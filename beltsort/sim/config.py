@@ -1,4 +1,4 @@
-"""What the simulated cell is set to. Every field is plain data: `dataclasses.asdict` of it is JSON."""
+"""Configuration of the simulated cell. All fields are plain data: `dataclasses.asdict` returns JSON."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -33,7 +33,7 @@ class Cup:
 
 @dataclass(frozen=True)
 class PoseMix:
-    """How objects come to lie in their cups, drawn once per object.
+    """Distribution of the poses of objects in their cups, drawn once per object.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class PoseMix:
     lying_tilt: tuple[float, float] = (60.0, 110.0)
 
     def __post_init__(self) -> None:
-        """Refuse frequencies from which nothing can be drawn."""
+        """Check that the frequencies define a distribution."""
         frequencies = (self.upright, self.leaning, self.lying)
         if min(frequencies) < 0.0 or not 0.0 < sum(frequencies) < np.inf:
             raise CellError(
@@ -64,8 +64,8 @@ class PoseMix:
 class ArmErrors:
     """Repeatability of the arm: standard deviations, per axis, of the camera's true pose about the reported.
 
-    The error is drawn anew for each scan. The defaults are those of a low-cost compliant arm; an industrial
-    arm has 0.0001 m and 0.01 degrees.
+    The error is drawn independently for each scan. The defaults are those of a low-cost compliant arm; an
+    industrial arm has 0.0001 m and 0.01 degrees.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class ArmErrors:
     angle: float = 0.4
 
     def true_pose(self, reported: Pose, rng: np.random.Generator) -> Pose:
-        """Draw where the camera really is when the arm reports `world_from_camera`, shape (4, 4)."""
+        """Draw the camera's true pose when the arm reports `world_from_camera`, shape (4, 4)."""
         error = np.eye(4)
         error[:3, :3] = rotation(rng.normal(0.0, np.radians(self.angle), 3))
         error[:3, 3] = rng.normal(0.0, self.position, 3)
@@ -88,25 +88,24 @@ class ArmErrors:
 
 @dataclass(frozen=True)
 class CellConfig:
-    """Everything the simulated cell is set to.
+    """Configuration of the simulated cell.
 
     Attributes
     ----------
     classes
         Names of the object classes, one bin each.
     meshes
-        Mesh files, by class name, that replace the built-in shape; a class that is no built-in shape needs
-        one.
+        Mesh files by class, instead of the built-in shape; required for classes without a built-in shape.
     size_spread
         Standard deviation of the logarithm of an object's length and, independently, of its diameter.
     belt_width
         Metres.
     upstream
-        Number of cups beyond the last visible position that the camera sees too.
+        Number of cups upstream of the last position that are simulated, since they are visible too.
     reject_bin
         Label under which `sort` accepts undecided objects, or None.
     move_seconds, scan_seconds, sort_seconds, advance_seconds
-        Duration of each act on the simulated clock.
+        Duration of each action on the simulated clock.
     """
 
     classes: tuple[str, ...] = CLASSES
@@ -132,7 +131,7 @@ class CellConfig:
     advance_seconds: float = 1.5
 
     def __post_init__(self) -> None:
-        """Refuse names that collide, bins that are already a class's, and numbers without sense."""
+        """Check that names are unique, the reject bin is not a class's, and numbers are in range."""
         self._check_numbers()
         names = [v.name for v in self.viewpoints]
         for what, given in (("class", list(self.classes)), ("viewpoint", names)):
@@ -141,12 +140,13 @@ class CellConfig:
         unknown = set(self.meshes) - set(self.classes)
         if unknown:
             raise CellError(
-                f"mesh files for {sorted(unknown)}, which are no classes; choose from {list(self.classes)}"
+                f"meshes names {sorted(unknown)}, expected classes out of {list(self.classes)}; correct the "
+                "names"
             )
         if self.reject_bin is not None and self.reject_bin < len(self.classes):
             raise CellError(
-                f"reject_bin is {self.reject_bin}, a class's bin or none; expected None or at least "
-                f"{len(self.classes)}, the number of classes"
+                f"reject_bin is {self.reject_bin}, expected None or at least {len(self.classes)}, the number "
+                "of classes; choose another"
             )
 
     def _check_numbers(self) -> None:

@@ -1,4 +1,4 @@
-"""The main job: ten bulbs sorted from depth scans."""
+"""The demonstration: ten bulbs sorted from depth scans of the simulated cell."""
 
 import json
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ TRIALS = 300
 
 @dataclass(frozen=True, eq=False)
 class DemoResult:
-    """What a demonstration did.
+    """Results of a demonstration.
 
     Attributes
     ----------
@@ -33,11 +33,11 @@ class DemoResult:
     report
         Steps and decisions.
     model
-        The model that it was planned with.
+        The planner's model.
     seconds
-        Time by stage.
+        Duration of each stage, seconds.
     folder
-        Where journal, model and picture are.
+        Folder of journal, model and figure.
     """
 
     true_labels: tuple[int, ...]
@@ -48,7 +48,7 @@ class DemoResult:
 
     @property
     def correct(self) -> int:
-        """Number of right decisions."""
+        """Number of correct decisions."""
         return sum(d.label == self.true_labels[d.object] for d in self.report.decisions)
 
 
@@ -59,7 +59,7 @@ def true_labels(seed: int, classes: tuple[str, ...]) -> tuple[int, ...]:
 
 
 def check_seed(seed: int) -> None:
-    """Refuse a seed that numpy would.
+    """Check a seed.
 
     Raises
     ------
@@ -67,22 +67,22 @@ def check_seed(seed: int) -> None:
         If the seed is negative.
     """
     if seed < 0:
-        raise beltsort.ArgumentError(f"seed is {seed}; give a whole number from 0 on")
+        raise beltsort.ArgumentError(f"seed is {seed}, expected an integer of at least 0; choose another")
 
 
 def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | None = None) -> DemoResult:
-    """Sort ten bulbs of the simulated cell, planned by DESPOT.
+    """Sort ten bulbs of the simulated cell, planning with DESPOT.
 
-    The same seed gives the same labels, actions and decisions.
+    Labels, actions and decisions are reproducible from the seed.
 
     Parameters
     ----------
     prepared
         Classifier and tables of the default simulated cell.
     seed
-        Of the objects, of the cell and of the planner.
+        Seed of the objects, the cell and the planner.
     folder
-        An existing folder for journal, model and picture.
+        An existing folder for journal, model and figure.
     listener
         Called with every journal entry.
 
@@ -116,7 +116,7 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
 
 
 def as_json(result: DemoResult, seed: int) -> dict[str, Any]:
-    """Return the result as plain data."""
+    """Return the results as plain data."""
     classes = result.model.classes
     decisions = [
         {"true": classes[result.true_labels[d.object]], **plain_decision(d, classes)}

@@ -1,4 +1,4 @@
-"""A database from mesh files, by scans of the simulated cell."""
+"""Training of a classifier on meshes, by scans of the simulated cell."""
 
 from collections.abc import Sequence
 from os import PathLike
@@ -13,6 +13,7 @@ from beltsort.sim.collect import collect_training
 from beltsort.util.processes import Progress
 
 UNSEEN = "no scan shows enough of it above the rim of its cup: give a larger mesh, in metres"
+"""Reason for skipping a mesh."""
 
 
 def train_from_meshes(
@@ -26,15 +27,15 @@ def train_from_meshes(
     k: int = 1,
     progress: Progress | None = None,
 ) -> Trained:
-    """Train on virtual scans of the meshes in a folder, made in the default simulated cell.
+    """Train on scans of the meshes in a folder, simulated in the default simulated cell.
 
-    As with `collect_training`, a script calls this under `if __name__ == "__main__":`.
+    As with `collect_training`, a script must call this under `if __name__ == "__main__":`.
 
     Parameters
     ----------
     folder
-        A mesh file (PLY, STL, OBJ, OFF, glTF; metres, axis along z) in a sub-folder is of the class that it
-        is named after, any other is a class of its own, named after the file.
+        Folder of meshes (PLY, STL, OBJ, OFF, glTF; metres, axis along z). The class of a mesh is the name of
+        its sub-folder; a mesh that is not in a sub-folder is a class of its own, with the file's name.
     perception
         Settings; default `PerceptionConfig()`.
     objects
@@ -49,8 +50,7 @@ def train_from_meshes(
     ArgumentError
         If `objects` or `workers` is below 1.
     DatabaseError
-        If there is no such folder, fewer than two classes have a mesh that can be used, or a setting has no
-        sense.
+        If the folder does not exist, fewer than two classes have a usable mesh, or a setting is invalid.
     BeltsortError
         If a worker process dies.
     """

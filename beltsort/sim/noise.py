@@ -1,4 +1,4 @@
-"""From what a perfect camera would see to what a structured-light camera returns."""
+"""The noise of a structured-light camera, applied to an ideal depth image."""
 
 from dataclasses import dataclass
 from statistics import NormalDist
@@ -16,7 +16,7 @@ _NORMAL_CDF = np.array([NormalDist().cdf(x) for x in _NORMAL_GRID])
 
 @dataclass(frozen=True)
 class View:
-    """What a perfect camera sees in a window of its image; all images have the window's shape (h, w).
+    """Ideal images in a window of the camera's image, all of the window's shape (h, w).
 
     Attributes
     ----------
@@ -29,9 +29,9 @@ class View:
     mirror
         Angle between the normal and the bisector of camera and projector, radians.
     glass
-        Whether the surface is an object's.
+        Whether the surface belongs to an object, which is of glass.
     lit
-        Whether the projector sees the surface.
+        Whether the surface is visible from the projector.
     """
 
     top: int
@@ -71,7 +71,7 @@ def noisy_depth(view: View, noise: SensorNoise, camera: Camera, rng: np.random.G
 def _displaced(
     view: View, seen: NDArray[np.intp], noise: SensorNoise, rng: np.random.Generator
 ) -> NDArray[np.intp]:
-    """Return the pixel that each seen pixel really looks at (lateral noise), shape (n,)."""
+    """Return the pixel from which each pixel takes its depth (lateral noise), shape (n,)."""
     height, width = view.depth.shape
     sigma = noise.lateral_sigma(view.incidence.flat[seen])
     shift = np.rint(rng.standard_normal((2, len(seen))) * sigma).astype(np.intp)
@@ -84,7 +84,7 @@ def _displaced(
 def _mixed(
     view: View, seen: NDArray[np.intp], source: NDArray[np.intp], noise: SensorNoise, rng: np.random.Generator
 ) -> Array:
-    """Return the depth at `source`, or one between two surfaces that the pixel straddles, shape (n,)."""
+    """Return the depth at `source`, or a flying pixel's between two surfaces, shape (n,)."""
     near, far = _neighbourhood(view.depth)
     near, far = near.flat[seen], far.flat[seen]
     flying = (far - near > noise.mixed_jump) & (rng.random(len(seen)) < noise.mixed_share)
@@ -113,7 +113,7 @@ def _glass_error(view: View, noise: SensorNoise, rng: np.random.Generator) -> Ar
 def _glass_lost(
     view: View, seen: NDArray[np.intp], source: NDArray[np.intp], noise: SensorNoise, rng: np.random.Generator
 ) -> Flags:
-    """Return which pixels give no return if they see glass: whole patches, and the highlight, shape (n,)."""
+    """Return the pixels without return on glass, in patches and in the highlight, shape (n,)."""
     field = smooth_field(view.depth.shape, noise.gloss_patch, rng).flat[seen]
     uniform = np.interp(field, _NORMAL_GRID, _NORMAL_CDF)
     blinded = view.mirror.flat[source] < np.radians(noise.highlight)

@@ -1,4 +1,4 @@
-"""Objects in their cups: size, pose, and where they come to rest."""
+"""Objects in their cups: size, orientation and resting position."""
 
 from itertools import product
 
@@ -7,23 +7,20 @@ import numpy as np
 from beltsort.geometry import BeltLayout, Points, Pose
 from beltsort.sim.config import CellConfig, Cup, PoseMix
 from beltsort.sim.rotations import rotation
-from beltsort.sim.surfaces import Mesh, Profile, revolve
+from beltsort.sim.surfaces import Mesh, revolve
 
-REACH = 0.016  # metres; how far from the cup's axis an object's middle may settle
-OFFSETS = 9  # places tried along each axis
+REACH = 0.016  # metres; largest distance of an object's centre from the cup's axis, along x and y
+OFFSETS = 9  # candidate positions along each axis
 
 
 def cup_mesh(cup: Cup, layout: BeltLayout) -> Mesh:
-    """Return a cup standing on the belt at the origin."""
-    return revolve(_cup_outline(cup, layout))
-
-
-def _cup_outline(cup: Cup, layout: BeltLayout) -> Profile:
+    """Return a cup on the belt at the origin."""
     rim, height = layout.rim_radius, layout.rim_height
-    return np.array([
+    outline = np.array([
         (0.0, 0.0), (cup.floor_radius + cup.wall, 0.0), (rim, height), (rim - cup.wall, height),
         (cup.floor_radius, cup.floor_height), (0.0, cup.floor_height),
     ])  # fmt: skip
+    return revolve(outline)
 
 
 def draw_object(nominal: Mesh, config: CellConfig, rng: np.random.Generator) -> Mesh:
@@ -46,10 +43,10 @@ def _orientation(poses: PoseMix, rng: np.random.Generator) -> Pose:
 
 
 def at_rest(turned: Mesh, cup: Cup, layout: BeltLayout) -> Mesh:
-    """Lower a mesh of given orientation into the cup where it sinks deepest, and return it there.
+    """Return a mesh of given orientation at its lowest position in the cup.
 
-    The mesh is lowered straight down at each of a grid of places about the cup's axis until it touches; of
-    these places the one with the lowest potential energy wins.
+    The mesh is lowered vertically at each of a grid of positions around the cup's axis until it touches the
+    cup; the position with the lowest potential energy is chosen.
     """
     low, high = turned.vertices.min(axis=0), turned.vertices.max(axis=0)
     vertices = turned.vertices - (low + high) / 2.0
@@ -58,12 +55,12 @@ def at_rest(turned: Mesh, cup: Cup, layout: BeltLayout) -> Mesh:
         (dx, dy): _touching_height(vertices + np.array([dx, dy, 0.0]), cup, layout)
         for dx, dy in product(steps, steps)
     }
-    dx, dy = min(heights, key=lambda place: heights[place])
+    dx, dy = min(heights, key=lambda offset: heights[offset])
     return Mesh(vertices + np.array([dx, dy, heights[dx, dy]]), turned.triangles)
 
 
 def _touching_height(vertices: Points, cup: Cup, layout: BeltLayout) -> float:
-    """Return how far up `vertices` must move so that none lies inside the cup or the belt."""
+    """Return the height by which `vertices` must be raised so that none is inside the cup or the belt."""
     rho = np.hypot(vertices[:, 0], vertices[:, 1])
     solid = np.interp(
         rho, [cup.floor_radius, layout.rim_radius - cup.wall], [cup.floor_height, layout.rim_height]

@@ -1,4 +1,4 @@
-"""Classifier and tables of the simulated cell: those that come with the package, or made once and cached."""
+"""Classifier and tables of the simulated cell, packaged, or computed once and cached."""
 
 import hashlib
 import json
@@ -28,11 +28,11 @@ from beltsort.util.processes import Progress, at_least_one
 PIPELINE = 1
 """Version of the code between a configuration and its labels: the simulated cell, perception, training.
 
-It is part of the key of what is stored. Raise it with a change of that code that changes results; then
-`beltsort prepare -o beltsort/models/simulated_cell` makes anew what comes with the package.
+It is part of the storage key. Increment it with every change of that code that changes results, and update
+the packaged files with `beltsort prepare -o beltsort/models/simulated_cell`.
 """
 
-SEED = 2019  # of training and tables, whatever a run's own seed: all runs share what is stored
+SEED = 2019  # seed of training and tables, independent of a run's seed, since all runs share the stored ones
 TRAINING_OBJECTS, TABLE_OBJECTS = 40, 100
 PACKAGED = files("beltsort.models") / "simulated_cell"
 CLASSIFIER, SCANS, ABOUT = "classifier.npz", "scans.npz", "about.json"
@@ -43,7 +43,7 @@ Source: TypeAlias = Literal["package", "cache", "made"]
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """What sorting needs to know of a cell.
+    """Classifier and label counts of a simulated cell.
 
     Attributes
     ----------
@@ -52,11 +52,11 @@ class Prepared:
     counts
         Label counts of every table row.
     objects
-        Independent objects in each table row, each scanned for it.
+        Number of independent objects in each table row.
     seconds
-        Time that training and tables took, by stage; next to nothing when they were stored.
+        Duration of the stages `training` and `tables`, seconds; nearly 0 if they were stored.
     source
-        Where they are from: the package, the user's cache, or made now.
+        Their source: the package, the user's cache, or this call.
     """
 
     database: NearestNeighbour
@@ -68,14 +68,14 @@ class Prepared:
 
 @dataclass(frozen=True)
 class Recipe:
-    """All that classifier and tables depend on, besides the code.
+    """The settings on which classifier and tables depend.
 
     Attributes
     ----------
     config, perception
-        What the cell and perception are set to.
+        Configuration of the cell, and settings of perception.
     training_objects, table_objects
-        Objects per class, viewpoint and position that are trained on, and counted.
+        Objects per class, viewpoint and position for training and for the tables.
 
     Raises
     ------
@@ -89,12 +89,12 @@ class Recipe:
     table_objects: int = TABLE_OBJECTS
 
     def __post_init__(self) -> None:
-        """Refuse a number of objects below 1."""
+        """Check the numbers of objects."""
         at_least_one("training_objects", self.training_objects)
         at_least_one("table_objects", self.table_objects)
 
     def key(self) -> str:
-        """Return the key of what is stored: 16 hexadecimal digits.
+        """Return the storage key: 16 hexadecimal digits.
 
         Raises
         ------
@@ -109,17 +109,18 @@ class Recipe:
 def prepare(
     recipe: Recipe | None = None, *, progress: StageProgress | None = None, cache: Path | None = None
 ) -> Prepared:
-    """Load the classifier and the tables of a simulated cell, or make and cache them.
+    """Load the classifier and the tables of a simulated cell, or compute and cache them.
 
-    Those of the default cell come with the package. As with `collect_training`, a script calls this under
+    Those of the default cell come with the package. As with `collect_training`, a script must call this under
     `if __name__ == "__main__":`.
 
     Parameters
     ----------
     recipe
-        Which; default those that come with the package.
+        The settings; default those of the packaged files.
     progress
-        Called with a stage's name (`training`, `tables`), returns what is called with rounds done and in all.
+        Called with a stage's name (`training`, `tables`); returns a function that is called with the number
+        of rounds done and the total number.
     cache
         Folder of the cache; default the user's.
 
@@ -143,9 +144,9 @@ def make(recipe: Recipe, folder: Path, progress: StageProgress | None = None) ->
     Parameters
     ----------
     recipe
-        What to make.
+        The settings.
     folder
-        Written whole or not at all; what was there is replaced.
+        Output folder, written atomically; an existing one is replaced.
     progress
         As in `prepare`.
 
@@ -154,7 +155,7 @@ def make(recipe: Recipe, folder: Path, progress: StageProgress | None = None) ->
     BeltsortError
         If the folder cannot be written, or a worker process dies.
     """
-    _new_folder(folder.parent).rmdir()  # what cannot be stored is not worth the work
+    _new_folder(folder.parent).rmdir()  # fails early if the results could not be stored
     stage = progress or _silent
     config, began = recipe.config, perf_counter()
     database = collect_training(
@@ -172,21 +173,21 @@ def make(recipe: Recipe, folder: Path, progress: StageProgress | None = None) ->
 
 
 def load(folder: Path, recipe: Recipe, source: Source) -> Prepared | None:
-    """Return what a folder holds, or None if it is of another recipe, missing or damaged."""
+    """Load a folder; return None if it has another key, is missing or is damaged."""
     began = perf_counter()
     try:
         if json.loads((folder / ABOUT).read_text("utf-8"))["key"] != recipe.key():
             return None
         database = NearestNeighbour.load(folder / CLASSIFIER)
         counts = _counts(read_scans(folder / SCANS), recipe.config)
-    except Exception:  # whatever a reader stumbles over means that the folder is missing or damaged
+    except Exception:  # any exception of a reader means that the folder is missing or damaged
         return None
     seconds = {"training": 0.0, "tables": perf_counter() - began}
     return Prepared(database, counts, recipe.table_objects, seconds, source)
 
 
 def read_scans(path: Path) -> list[LabelledScan]:
-    """Read the labelled scans of the tables that `make` has stored."""
+    """Read the labelled scans that `make` has stored."""
     with np.load(path, allow_pickle=False) as stored:
         rows = zip(
             stored["viewpoints"].tolist(),
@@ -245,7 +246,7 @@ def _hash(content: bytes) -> str:
 
 
 def _store(folder: Path, recipe: Recipe, database: NearestNeighbour, scans: Sequence[LabelledScan]) -> None:
-    """Write the folder whole or not at all: an interrupted run must not leave half of one."""
+    """Write the folder atomically, so that an interruption leaves no incomplete one."""
     half_done = _new_folder(folder.parent)
     try:
         database.save(half_done / CLASSIFIER)
@@ -258,7 +259,7 @@ def _store(folder: Path, recipe: Recipe, database: NearestNeighbour, scans: Sequ
 
 
 def _about(recipe: Recipe) -> dict[str, object]:
-    """Return what was made, and what made it."""
+    """Return the settings, and the versions with which the folder was made."""
     packages = ("beltsort", "numpy", "scipy", "open3d")
     return {
         "key": recipe.key(),
@@ -272,7 +273,7 @@ def _about(recipe: Recipe) -> dict[str, object]:
 
 
 def _new_folder(parent: Path) -> Path:
-    """Make a folder of a new name, which only its owner can read."""
+    """Create a folder with a unique name, readable by its owner only."""
     try:
         parent.mkdir(parents=True, exist_ok=True)
         return Path(tempfile.mkdtemp(dir=parent))

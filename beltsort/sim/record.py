@@ -1,4 +1,4 @@
-"""Write recordings."""
+"""Recording of simulated scans."""
 
 import json
 import os
@@ -29,21 +29,22 @@ from beltsort.util.processes import Progress, in_processes
 
 
 class RecordingWriter:
-    """Adds scans to a recording, new or begun before.
+    """Appends scans to a new or existing recording.
 
-    A scan's cloud is on the disk before its line, so a killed recording is complete but for its last scans.
+    A scan's cloud is written before its line in the manifest, so an interrupted recording is valid and lacks
+    only its last scans.
 
     Parameters
     ----------
     folder
-        Made if it is missing.
+        Folder of the recording, created if it is missing.
     header
-        What is the same for all scans; a recording that was begun before must have the same.
+        Properties of all scans; an existing recording must have the same.
 
     Raises
     ------
     RecordingError
-        If the folder cannot be written, or holds another recording.
+        If the folder cannot be written, or contains another recording.
     """
 
     def __init__(self, folder: Path, header: Header) -> None:
@@ -68,11 +69,11 @@ class RecordingWriter:
             )
 
     def files(self) -> set[str]:
-        """Return the files that are listed."""
+        """Return the files listed in the manifest."""
         return {scan.file for scan in read_manifest(self.folder, self.header)}
 
     def append(self, scans: Iterable[RecordedScan]) -> None:
-        """List scans whose clouds are written; the lines are on the disk when this returns."""
+        """Add scans whose clouds are written to the manifest, durably."""
         self._manifest.write("".join(scan.line(self.header) for scan in scans).encode())
         self._manifest.flush()
         os.fsync(self._manifest.fileno())
@@ -86,7 +87,7 @@ class RecordingWriter:
         self._manifest.close()
 
     def _drop_torn_line(self) -> None:
-        """Cut off what a killed writer left behind the last complete line."""
+        """Remove an incomplete last line, left by an interrupted writer."""
         self._manifest.seek(0)
         content = self._manifest.read()
         self._manifest.truncate(content.rfind(b"\n") + 1)
@@ -106,7 +107,7 @@ def record_simulated(
     Parameters
     ----------
     folder
-        The recording; one that was interrupted goes on where it stopped.
+        Folder of the recording; an interrupted one is resumed.
     config, objects, seed, workers, progress
         As in `collect_counts`.
 

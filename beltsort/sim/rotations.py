@@ -7,7 +7,7 @@ from beltsort.geometry import Points
 
 
 def rotation(vector: ArrayLike) -> Points:
-    """Return the rotation about `vector` by its length in radians (Rodrigues' formula), shape (3, 3)."""
+    """Return the rotation matrix of a rotation vector, radians (Rodrigues' formula), shape (3, 3)."""
     x, y, z = np.asarray(vector, dtype=np.float64)
     angle = np.sqrt(x * x + y * y + z * z)
     if angle == 0.0:

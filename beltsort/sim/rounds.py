@@ -1,8 +1,8 @@
 """Rounds of scenes in the simulated cell.
 
-Every count is an object drawn for it alone: a *round* at one viewpoint is L scenes in which each class stands
-once at each position, and every scene is a new cell with a seed of its own. So the result is a function of
-the seed, whatever the number of processes.
+A *round* consists of L scenes at one viewpoint, in which each class is once at each position. Every scene is
+a new cell with a seed of its own, so that every count is of an independent object, and results depend on the
+seed but not on the number of processes.
 """
 
 from collections.abc import Iterator
@@ -15,12 +15,12 @@ from beltsort.sim import CellConfig
 from beltsort.util.processes import at_least_one
 from beltsort.util.randomness import checked_seed, generator
 
-TRAINING_STREAM, TABLE_STREAM = 0, 1  # no object is both trained on and counted
+TRAINING_STREAM, TABLE_STREAM = 0, 1  # distinct random streams, so training and tables share no objects
 
 
 @dataclass(frozen=True)
 class Round:
-    """L scenes at one viewpoint, in which every class stands once at every position."""
+    """L scenes at one viewpoint, in which every class is once at every position."""
 
     stream: int
     seed: int
@@ -42,7 +42,7 @@ class Round:
         return [true[: config.layout.positions] for true in _arrangement(config, self._generator())]
 
     def scene_name(self, scene: int) -> str:
-        """Return the name of a scene, unlike that of any other scene of the stream."""
+        """Return the name of a scene, unique within the stream."""
         return f"viewpoint{self.viewpoint}-round{self.number:04}-scene{scene}"
 
     def scan_names(self, config: CellConfig, scans: int) -> list[str]:
@@ -62,14 +62,14 @@ class Round:
 
 
 def rounds_of(stream: int, seed: int, config: CellConfig, objects: int) -> list[Round]:
-    """Return the rounds in which each class stands `objects` times at each viewpoint and position."""
+    """Return the rounds in which each class is `objects` times at each viewpoint and position."""
     at_least_one("objects", objects)
     viewpoints = range(len(config.viewpoints))
     return [Round(stream, checked_seed(seed), k, number) for number in range(objects) for k in viewpoints]
 
 
 def _arrangement(config: CellConfig, rng: np.random.Generator) -> list[list[int]]:
-    """Draw the true classes of each scene of a round, cups behind the visible ones included."""
+    """Draw the true classes of each scene of a round, including cups upstream of the last position."""
     cups, classes = config.layout.positions + config.upstream, len(config.classes)
     columns = np.stack([rng.permutation(classes) for _ in range(cups)])  # (cups, L)
     return [[int(label) for label in columns[:, scene]] for scene in range(classes)]

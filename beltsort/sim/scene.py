@@ -1,4 +1,4 @@
-"""Ray casting: what a perfect camera sees of belt, cups and objects."""
+"""Ray casting of ideal depth images of belt, cups and objects."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -16,8 +16,8 @@ from beltsort.sim.surfaces import Mesh
 
 Floats = NDArray[np.float32]
 
-TALLEST = 0.2  # metres above the belt; nothing on it reaches higher
-CLEARANCE = 1e-4  # metres; keeps a surface from shading itself
+TALLEST = 0.2  # metres; upper bound of the height of everything on the belt
+CLEARANCE = 1e-4  # metres; offset of shadow rays, so that a surface does not shadow itself
 
 
 class Scene:
@@ -28,9 +28,9 @@ class Scene:
     belt
         Corners of the belt's surface, shape (4, 3), in order around it.
     cups, objects
-        Meshes; objects are of glass, all else is matt.
+        Meshes; objects are of glass, everything else is matt.
     camera
-        The camera that looks at it.
+        The camera.
     """
 
     def __init__(self, belt: Points, cups: Sequence[Mesh], objects: Sequence[Mesh], camera: Camera) -> None:
@@ -49,7 +49,7 @@ class Scene:
         self._caster.add_triangles(_tensor(vertices), _tensor(triangles))
 
     def view(self, world_from_camera: Pose) -> View:
-        """Return what a perfect camera at `world_from_camera` sees, in the window that shows the belt."""
+        """Return the ideal images of a camera at `world_from_camera`, in the window that shows the belt."""
         rows, columns = self._window(world_from_camera)
         directions = self._directions(rows, columns, world_from_camera)  # (h, w, 3)
         eye = world_from_camera[:3, 3].astype(np.float32)
@@ -81,7 +81,7 @@ class Scene:
         return sideways + ahead[:, None, :]
 
     def _window(self, world_from_camera: Pose) -> tuple[Array, Array]:
-        """Return the rows and columns of the smallest window that shows the belt and all that is on it."""
+        """Return the rows and columns of the smallest window that shows the belt and everything on it."""
         camera = self._camera
         tops: Points = self._belt + np.array([0.0, 0.0, TALLEST])
         from_eye = np.vstack([self._belt, tops]) - world_from_camera[:3, 3]
@@ -93,7 +93,7 @@ class Scene:
         return _pixels(v, camera.height), _pixels(u, camera.width)
 
     def _lit(self, start: Floats, to_projector: Floats) -> Flags:
-        """Return whether nothing stands between `start` and the projector, shape (n,)."""
+        """Return whether the line from `start` to the projector is free, shape (n,)."""
         rays = np.concatenate([start, to_projector], axis=-1)
         occluded: Flags = self._caster.test_occlusions(_tensor(rays), tnear=0.0, tfar=1.0).numpy()
         return ~occluded

@@ -130,7 +130,7 @@ class SensorNoise:
     gloss_bias: float = 0.002
 
     def __post_init__(self) -> None:
-        """Refuse steps and widths that are divided by and are not above 0."""
+        """Check that steps and widths, which are divisors, are above 0."""
         for name in ("axial_window", "disparity_step", "grazing_width", "gloss_patch"):
             value = getattr(self, name)
             if not 0.0 < value < np.inf:
@@ -157,6 +157,6 @@ class SensorNoise:
 
 
 def _steepness(incidence: Array) -> Array:
-    """Return theta / (pi/2 - theta), kept finite: beyond 89 degrees nothing returns anyway."""
+    """Return theta / (pi/2 - theta), limited to 89 degrees, beyond which there are no returns."""
     theta = np.minimum(incidence, np.radians(89.0))
     return theta / (np.pi / 2.0 - theta)

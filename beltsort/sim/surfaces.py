@@ -12,7 +12,7 @@ from beltsort.geometry import Points, Pose, transform
 Profile = NDArray[np.float64]
 """Outline of a surface of revolution, shape (n, 2): radius and height, metres, from one pole to the other."""
 
-LARGEST_OBJECT = 0.5  # metres; a mesh beyond it is in other units
+LARGEST_OBJECT = 0.5  # metres; a larger mesh is assumed to be in other units
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,12 @@ def refine(profile: Profile, step: float) -> Profile:
 
 
 def revolve(profile: Profile, segments: int = 64) -> Mesh:
-    """Return the closed surface that `profile` sweeps about the z axis.
+    """Return the closed surface of revolution of `profile` about the z axis.
 
     Parameters
     ----------
     profile
-        Outline from the lower pole (radius 0) to the upper one (radius 0); all radii between are positive.
+        Outline from the lower pole to the upper one, where the radius is 0; other radii are positive.
     segments
         Number of meridians.
 
@@ -60,8 +60,8 @@ def revolve(profile: Profile, segments: int = 64) -> Mesh:
     """
     if np.any(profile[[0, -1], 0] != 0.0) or np.any(profile[1:-1, 0] <= 0.0):
         raise CellError(
-            f"an outline of radii {profile[:, 0].tolist()} encloses no solid; start and end on the axis "
-            "(radius 0) and keep every other radius positive"
+            f"the outline has the radii {profile[:, 0].tolist()}, expected 0 at both ends and positive ones "
+            "between; correct them"
         )
     angles = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
     rings = np.stack(
@@ -98,7 +98,7 @@ def read_mesh(path: Path | str) -> Mesh:
     Raises
     ------
     CellError
-        The file is missing, holds no triangles, or is not of an object's size in metres.
+        If the file is missing, has no triangles, or is larger than an object in metres.
     """
     import open3d
 

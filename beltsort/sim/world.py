@@ -1,4 +1,4 @@
-"""What stands on the simulated belt, and how it moves."""
+"""The simulated belt with its cups and objects."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ from beltsort.sim.scene import Scene
 from beltsort.sim.surfaces import Mesh, read_mesh
 from beltsort.util.randomness import checked_seed, generator
 
-OBJECT_STREAM = 0  # keeps the draws of objects apart from those of scans
+OBJECT_STREAM = 0  # random stream of objects, distinct from that of scans
 
 
 class World:
@@ -23,11 +23,11 @@ class World:
     Parameters
     ----------
     true_labels
-        Class index of each object of the run; None is an empty cup.
+        Class index of each object of the run, None for an empty cup.
     config
-        What the cell is set to.
+        Configuration of the cell.
     seed
-        Not negative.
+        Seed, at least 0.
 
     Attributes
     ----------
@@ -47,78 +47,78 @@ class World:
         self._cup = cup_mesh(config.cup, config.layout)
         self._objects: dict[int, Mesh] = {}
         self._scene: Scene | None = None
-        self._taken = False
+        self._removed = False
         self.start = self.first = 0
 
-    def check_untaken(self) -> None:
-        """Refuse to sort an object twice."""
-        if self._taken:
+    def check_not_sorted(self) -> None:
+        """Raise a `CommandError` if the object at the belt end was sorted already."""
+        if self._removed:
             raise CommandError(
                 f"object {self.first} was sorted already, expected one sort per object; "
                 f"call advance_to({self.first + 1}, ...) first",
                 Outcome.NOT_DONE,
             )
 
-    def take(self) -> bool:
-        """Take the object off the belt end; return whether there was one in the cup."""
-        self._taken, self._scene = True, None
+    def remove_object(self) -> bool:
+        """Remove the object at the belt end; return whether there was one in the cup."""
+        self._removed, self._scene = True, None
         return self._label(self.first) is not None
 
     def steps_to(self, index: int) -> int:
-        """Return by how many positions the belt has to move for object `index` to reach the belt end."""
+        """Return the number of positions by which the belt must move to bring object `index` to its end."""
         steps = index - self.first
-        behind = self.start + len(self._labels)
-        if steps < 0 or index > behind:
+        end = self.start + len(self._labels)
+        if steps < 0 or index > end:
             raise CommandError(
-                f"index is {index}, expected {self.first} (now at the belt end) to {behind} "
-                "(behind the last object); the belt moves forward only",
+                f"index is {index}, expected {self.first} (now at the belt end) to {end} "
+                "(after the last object); the belt moves forward only",
                 Outcome.NOT_DONE,
             )
         return steps
 
     def advance_to(self, index: int) -> None:
         """Bring another object to the belt end."""
-        self.first, self._taken, self._scene = index, False, None
+        self.first, self._removed, self._scene = index, False, None
 
     def scene(self) -> Scene:
-        """Return what the camera can see now; it is kept until the belt moves or an object is taken."""
+        """Return the current scene, which is cached until the belt moves or an object is removed."""
         if self._scene is None:
-            places = range(self._config.layout.positions + self._config.upstream)
-            objects = [mesh for place in places if (mesh := self._object(place)) is not None]
-            cups = [_carried(self._cup, self._config.layout.centre(place)) for place in places]
-            self._scene = Scene(self._belt(len(places)), cups, objects, self._config.camera)
+            positions = range(self._config.layout.positions + self._config.upstream)
+            objects = [mesh for position in positions if (mesh := self._object(position)) is not None]
+            cups = [_translated(self._cup, self._config.layout.centre(position)) for position in positions]
+            self._scene = Scene(self._belt(len(positions)), cups, objects, self._config.camera)
         return self._scene
 
-    def _object(self, place: int) -> Mesh | None:
-        """Return what is in the cup `place` from the belt end, drawn when first seen; None if it is empty."""
-        number = self.first + place
+    def _object(self, position: int) -> Mesh | None:
+        """Return the object in the cup at a position, drawn when first needed; None if the cup is empty."""
+        number = self.first + position
         label = self._label(number)
-        if label is None or (place == 0 and self._taken):
+        if label is None or (position == 0 and self._removed):
             return None
         if number not in self._objects:
             rng = generator(self._seed, OBJECT_STREAM, number)
             self._objects[number] = draw_object(self._nominal[label], self._config, rng)
-        return _carried(self._objects[number], self._config.layout.centre(place))
+        return _translated(self._objects[number], self._config.layout.centre(position))
 
-    def _belt(self, places: int) -> Points:
+    def _belt(self, positions: int) -> Points:
         """Return the corners of the belt's visible surface, shape (4, 3)."""
         spacing, half = self._config.layout.spacing, self._config.belt_width / 2.0
-        start, end = -spacing / 2.0, (places - 0.5) * spacing
+        start, end = -spacing / 2.0, (positions - 0.5) * spacing
         return np.array([[start, -half, 0.0], [end, -half, 0.0], [end, half, 0.0], [start, half, 0.0]])
 
     def _label(self, number: int) -> int | None:
-        place = number - self.start
-        return self._labels[place] if place < len(self._labels) else None
+        index = number - self.start
+        return self._labels[index] if index < len(self._labels) else None
 
 
-def _carried(mesh: Mesh, centre: Points) -> Mesh:
-    return Mesh(mesh.vertices + centre, mesh.triangles)
+def _translated(mesh: Mesh, offset: Points) -> Mesh:
+    return Mesh(mesh.vertices + offset, mesh.triangles)
 
 
 def _checked(n: int, label: int | None, classes: Sequence[str]) -> int | None:
     if label is not None and not 0 <= label < len(classes):
         raise CellError(
             f"true_labels[{n}] is {label}, expected None or a class index from 0 to {len(classes) - 1} "
-            f"({', '.join(classes)})"
+            f"({', '.join(classes)}); correct it"
         )
     return label

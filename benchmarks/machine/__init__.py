@@ -1,1 +1,1 @@
-"""How fast planning and perception are on this machine."""
+"""Benchmarks of planning and perception on a machine."""

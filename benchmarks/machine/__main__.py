@@ -1,4 +1,4 @@
-"""`python -m benchmarks.machine`: how fast this machine plans, and perceives."""
+"""`python -m benchmarks.machine`: measure planning and perception speed."""
 
 import sys
 from argparse import ArgumentParser
@@ -13,8 +13,8 @@ from benchmarks.machine.perception import PerceptionBench, run_bench_perception
 from benchmarks.machine.planning import Bench, run_bench
 
 DEBUG_BUILD = (
-    "WARNING: THIS IS A DEBUG BUILD, FAR SLOWER THAN A RELEASE BUILD. Its numbers mean nothing: "
-    "install the package, or run `make build`."
+    "WARNING: THIS IS A DEBUG BUILD, FAR SLOWER THAN A RELEASE BUILD. Its numbers are not "
+    "meaningful: install the package, or run `make build`."
 )
 
 
@@ -22,8 +22,9 @@ def parser() -> ArgumentParser:
     """Return the parser of the command line."""
     arguments = ArgumentParser(
         "python -m benchmarks.machine",
-        description="Time plans, by number of threads and against a deadline; or the stages of perception, "
-        "beside a plain Open3D pipeline on the same simulated scans. Run it on an idle machine.",
+        description="Measure the speed of plans by number of threads and their adherence to a deadline; or "
+        "the stages of perception, compared with a plain Open3D pipeline on the same scans. Use an idle "
+        "machine.",
     )
     arguments.add_argument(
         "what", nargs="?", choices=("planning", "perception"), default="planning", help="default: planning"

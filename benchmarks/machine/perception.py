@@ -1,4 +1,4 @@
-"""How fast this machine perceives, and how much faster than a plain pipeline."""
+"""Measurement of perception speed, compared with a plain pipeline."""
 
 from dataclasses import dataclass
 from time import perf_counter

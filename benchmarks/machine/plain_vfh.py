@@ -1,4 +1,4 @@
-"""The viewpoint feature histogram in plain NumPy: what the compiled one is compared with."""
+"""The viewpoint feature histogram in plain NumPy, as a reference for the compiled one."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""How fast this machine plans."""
+"""Measurement of planning speed."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Perception taken apart into stages: beltsort's own, and a plain one made of Open3D's parts."""
+"""The stages of perception: beltsort's own, and a plain pipeline of Open3D's functions."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ CLUSTER_CORE = 10  # neighbours
 
 
 def own_stages(scan: Scan, cell: CellConfig, config: PerceptionConfig, watch: Stopwatch) -> list[Histogram]:
-    """Do what `segment` and `describe` do, stage by stage; return the descriptors of all objects."""
+    """Perform the stages of `segment` and `describe`; return the descriptors of all objects."""
     with watch.stage("plane"):
         view = View.of(scan, cell.layout, config)
     with watch.stage("crop"):
@@ -42,7 +42,7 @@ def own_stages(scan: Scan, cell: CellConfig, config: PerceptionConfig, watch: St
 
 
 def plain_stages(scan: Scan, cell: CellConfig, config: PerceptionConfig, watch: Stopwatch) -> list[Histogram]:
-    """Do the same as tutorials do: the whole cloud first, the largest clusters last; camera frame."""
+    """Perform the same steps on the whole cloud, in the order of common tutorials; camera frame."""
     with watch.stage("deproject"):
         cloud = _deprojected(scan, cell)
     with watch.stage("plane"):

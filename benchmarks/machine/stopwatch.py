@@ -1,4 +1,4 @@
-"""Time by stage."""
+"""A stopwatch for named stages."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
