@@ -19,19 +19,19 @@ INJECTED = "(an injected fault: see [faults])"
 
 @dataclass(frozen=True)
 class FaultPlan:
-    """Which calls fail, and how.
+    """A plan of the faults to inject.
 
-    The n-th call of a command fails as the schedule says; else with the probability of each kind, by a draw
-    that depends on the seed, the command and n alone.
+    The n-th call of a command fails as given by the schedule, otherwise at random with the rate of each kind.
+    The random draw depends only on the seed, the command and n.
 
     Attributes
     ----------
     seed
-        Not negative.
+        Seed, at least 0.
     rates
-        Probability per call, by kind.
+        Probability per call, by kind of fault.
     schedule
-        Kind by command and number of the call, counted from 1.
+        Kind of fault by (command, number of the call, from 1).
     """
 
     seed: int = 0
@@ -102,7 +102,7 @@ class Faults(Layer):
         return ask(known_as)
 
     def health(self, ask: Callable[[], Health]) -> Health:
-        """Return the health with the current boot id; a pressed emergency stop is reported once, then released."""
+        """Return the health with the current boot id; an emergency stop is reported once, then released."""
         self._execute_late()
         health = ask()
         if self._boots:
