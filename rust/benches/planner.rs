@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use beltsort_core::{
     Belief, Budget, Despot, DespotConfig, EvaluationConfig, ModelSpec, Plan, Result, SortingModel, Threshold,
-    TrueClasses, evaluate,
+    TrueClasses, Viewpoint, evaluate,
 };
 use criterion::{BenchmarkId, Criterion, Throughput};
 use rayon::ThreadPoolBuilder;
@@ -67,7 +67,7 @@ fn simulation(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
         batch_size: 10,
         seed: 0,
         belt_ends: false,
-        viewpoint: 0,
+        viewpoint: Viewpoint(0),
         true_classes: TrueClasses::Arrival,
         reference: None,
         max_looks: 60,
@@ -83,9 +83,9 @@ fn planner(model: &SortingModel, scenarios: usize) -> Result<Despot> {
 }
 
 fn plan(planner: &Despot) -> Result<Plan> {
-    planner.plan(&Belief::new(planner.model()), 0, Budget::Trials(TRIALS))
+    planner.plan(&Belief::new(planner.model()), Viewpoint(0), Budget::Trials(TRIALS))
 }
 
 fn plan_in_parallel(planner: &Despot) -> Result<Plan> {
-    planner.plan_in_parallel(&Belief::new(planner.model()), 0, Budget::Trials(SHARED_TRIALS))
+    planner.plan_in_parallel(&Belief::new(planner.model()), Viewpoint(0), Budget::Trials(SHARED_TRIALS))
 }

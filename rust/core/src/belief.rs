@@ -9,7 +9,8 @@ pub(crate) use information::{entropy, information};
 pub(crate) use memory::Memory;
 
 use crate::error::{Error, Result, argument_error};
-use crate::model::{SortingModel, distribution};
+use crate::index::{Class, Label, Position, Viewpoint};
+use crate::model::{Look, SortingModel, distribution};
 use crate::remaining::Remaining;
 
 /// A row that misses 1 by no more than this is a belief's own, written down: it is taken as it is, to the last bit.
@@ -71,7 +72,7 @@ impl Belief {
     ///
     /// # Errors
     /// [`Error::Argument`] if the shape is not (H, K) or a label does not exist.
-    pub fn with_last_labels(self, model: &SortingModel, rows: &[Vec<Option<usize>>]) -> Result<Self> {
+    pub fn with_last_labels(self, model: &SortingModel, rows: &[Vec<Option<Label>>]) -> Result<Self> {
         Ok(Self { memory: Memory::from_rows(model, rows)?, ..self })
     }
 
@@ -90,14 +91,24 @@ impl Belief {
 
     /// The distribution of one position, length L.
     #[must_use]
-    pub fn position(&self, position: usize) -> DVectorView<'_, f64> {
-        self.probabilities.column(position)
+    pub fn position(&self, position: Position) -> DVectorView<'_, f64> {
+        self.probabilities.column(position.0)
     }
 
     /// The label that a position last gave from a viewpoint since the belt moved; `None` too where none is repeated.
     #[must_use]
-    pub fn last_label(&self, model: &SortingModel, position: usize, viewpoint: usize) -> Option<usize> {
+    pub fn last_label(
+        &self,
+        model: &SortingModel,
+        position: Position,
+        viewpoint: Viewpoint,
+    ) -> Option<Label> {
         self.memory.last(model, position, viewpoint)
+    }
+
+    /// The next look from a viewpoint at the object at a position.
+    pub(crate) fn look(&self, model: &SortingModel, position: Position, viewpoint: Viewpoint) -> Look {
+        self.memory.look(model, position, viewpoint)
     }
 
     /// All positions one after the other: entry `position * L + class`.
@@ -118,9 +129,9 @@ impl Belief {
         (self.probabilities.ncols(), self.probabilities.nrows())
     }
 
-    /// The most likely class at a position (the lowest label among equals) and its probability.
+    /// The most likely class at a position (the first among equals) and its probability.
     #[must_use]
-    pub fn most_likely(&self, position: usize) -> (usize, f64) {
+    pub fn most_likely(&self, position: Position) -> (Class, f64) {
         most_likely(self.position(position).as_slice())
     }
 
@@ -129,22 +140,15 @@ impl Belief {
     ///
     /// # Errors
     /// [`Error::Argument`] if the viewpoint does not exist.
-    pub fn label_probabilities(&self, model: &SortingModel, viewpoint: usize) -> Result<DMatrix<f64>> {
+    pub fn label_probabilities(&self, model: &SortingModel, viewpoint: Viewpoint) -> Result<DMatrix<f64>> {
         model.check_viewpoint(viewpoint)?;
-        Ok(DMatrix::from_fn(model.class_count(), model.position_count(), |z, j| {
-            self.label_probability(model, j, viewpoint, z)
+        Ok(DMatrix::from_fn(model.label_count(), model.position_count(), |z, j| {
+            self.label_probability(model, self.look(model, Position(j), viewpoint), Label(z))
         }))
     }
 
-    fn label_probability(
-        &self,
-        model: &SortingModel,
-        position: usize,
-        viewpoint: usize,
-        label: usize,
-    ) -> f64 {
-        let last = self.memory.last(model, position, viewpoint);
-        evidence(self.position(position).as_slice(), model.likelihoods(position, viewpoint, last, label))
+    fn label_probability(&self, model: &SortingModel, look: Look, label: Label) -> f64 {
+        evidence(self.position(look.position).as_slice(), model.likelihoods(look, label))
     }
 
     /// Bayes' rule for one scan (eq. 7): `b^j_c` becomes proportional to `b^j_c P(z^j | j, v, c)`.
@@ -157,8 +161,8 @@ impl Belief {
     pub fn observe(
         &mut self,
         model: &SortingModel,
-        viewpoint: usize,
-        labels: &[Option<usize>],
+        viewpoint: Viewpoint,
+        labels: &[Option<Label>],
     ) -> Result<()> {
         model.check_viewpoint(viewpoint)?;
         if labels.len() != model.position_count() {
@@ -168,10 +172,10 @@ impl Belief {
                 model.position_count()
             ));
         }
-        let seen = || labels.iter().enumerate().filter_map(|(j, label)| Some((j, (*label)?)));
+        let seen = || model.positions().zip(labels).filter_map(|(j, label)| Some((j, (*label)?)));
         for (j, z) in seen() {
             model.check_label(z)?;
-            self.check_possible(model, j, viewpoint, z)?;
+            self.check_possible(model, self.look(model, j, viewpoint), z)?;
         }
         seen().try_for_each(|(j, z)| self.observe_one(model, j, viewpoint, z))
     }
@@ -183,32 +187,26 @@ impl Belief {
     pub(crate) fn observe_one(
         &mut self,
         model: &SortingModel,
-        position: usize,
-        viewpoint: usize,
-        label: usize,
+        position: Position,
+        viewpoint: Viewpoint,
+        label: Label,
     ) -> Result<()> {
-        self.check_possible(model, position, viewpoint, label)?;
-        let look = (position, viewpoint, label);
-        condition(model, self.probabilities.as_mut_slice(), &mut self.memory, look);
+        let look = self.look(model, position, viewpoint);
+        self.check_possible(model, look, label)?;
+        condition(model, self.probabilities.as_mut_slice(), &mut self.memory, look, label);
         Ok(())
     }
 
     /// The probability of a label, if it has any.
-    fn check_possible(
-        &self,
-        model: &SortingModel,
-        position: usize,
-        viewpoint: usize,
-        label: usize,
-    ) -> Result<f64> {
-        let probability = self.label_probability(model, position, viewpoint, label);
+    fn check_possible(&self, model: &SortingModel, look: Look, label: Label) -> Result<f64> {
+        let probability = self.label_probability(model, look, label);
         if probability >= f64::MIN_POSITIVE {
             return Ok(probability);
         }
         Err(Error::ImpossibleObservation {
-            position,
-            viewpoint: model.spec().viewpoints[viewpoint].clone(),
-            label: model.spec().classes[label].clone(),
+            position: look.position,
+            viewpoint: model.viewpoint_name(look.viewpoint).to_owned(),
+            label: model.label_name(label).to_owned(),
         })
     }
 
@@ -254,22 +252,23 @@ impl Belief {
     }
 }
 
-/// Bayes' rule (eq. 7) for the label of one position, `(position, viewpoint, label)`, which must be possible.
+/// Bayes' rule (eq. 7) for the label of one look, which must be possible.
 #[inline(always)]
 pub(crate) fn condition(
     model: &SortingModel,
     probabilities: &mut [f64],
     memory: &mut Memory,
-    (position, viewpoint, label): (usize, usize, usize),
+    look: Look,
+    label: Label,
 ) {
     let l = model.class_count();
-    let distribution = &mut probabilities[position * l..][..l];
-    let likelihoods = model.likelihoods(position, viewpoint, memory.last(model, position, viewpoint), label);
+    let distribution = &mut probabilities[look.position.0 * l..][..l];
+    let likelihoods = model.likelihoods(look, label);
     let total = evidence(distribution, likelihoods.clone());
     for (b, p) in distribution.iter_mut().zip(likelihoods) {
         *b = *b * p / total;
     }
-    memory.remember(model, position, viewpoint, label);
+    memory.remember(model, look.position, look.viewpoint, label);
 }
 
 /// The belt advances (eq. 8).
@@ -287,12 +286,12 @@ fn evidence(distribution: &[f64], likelihoods: impl Iterator<Item = f64>) -> f64
     distribution.iter().zip(likelihoods).map(|(b, p)| b * p).sum()
 }
 
-/// The largest entry of a distribution (the first among equals) and its index.
-pub(crate) fn most_likely(distribution: &[f64]) -> (usize, f64) {
-    let mut best = (0, distribution[0]);
-    for (label, &p) in distribution.iter().enumerate().skip(1) {
+/// The most likely class of a distribution (the first among equals) and its probability.
+pub(crate) fn most_likely(distribution: &[f64]) -> (Class, f64) {
+    let mut best = (Class(0), distribution[0]);
+    for (class, &p) in distribution.iter().enumerate().skip(1) {
         if p > best.1 {
-            best = (label, p);
+            best = (Class(class), p);
         }
     }
     best

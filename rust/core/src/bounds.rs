@@ -4,6 +4,7 @@ mod foresight;
 mod look;
 
 use crate::belief::most_likely;
+use crate::index::Viewpoint;
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
 use crate::remaining::Remaining;
@@ -19,7 +20,7 @@ pub(crate) fn lower(
     model: &SortingModel,
     policy: &OneObjectPolicy,
     (belief, remaining): (&[f64], Remaining),
-    viewpoint: usize,
+    viewpoint: Viewpoint,
 ) -> f64 {
     policy.value(model, (belief, remaining), viewpoint)
 }
@@ -27,7 +28,11 @@ pub(crate) fn lower(
 /// Upper bound of V*: from the second step on, every class is known and each step earns `r_max` and the largest bonus.
 ///
 /// Now, the best is to decide on what is known, or to pay for the cheapest move.
-pub(crate) fn upper(model: &SortingModel, (belief, remaining): (&[f64], Remaining), viewpoint: usize) -> f64 {
+pub(crate) fn upper(
+    model: &SortingModel,
+    (belief, remaining): (&[f64], Remaining),
+    viewpoint: Viewpoint,
+) -> f64 {
     upper_knowing(model, viewpoint, remaining)(most_likely(&belief[..model.class_count()]).1)
 }
 
@@ -35,7 +40,7 @@ pub(crate) fn upper(model: &SortingModel, (belief, remaining): (&[f64], Remainin
 #[inline(always)]
 pub(crate) fn upper_knowing(
     model: &SortingModel,
-    viewpoint: usize,
+    viewpoint: Viewpoint,
     remaining: Remaining,
 ) -> impl Fn(f64) -> f64 + '_ {
     let moves = model.legal_moves(viewpoint).iter();

@@ -42,6 +42,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::belief::Belief;
 use crate::error::Result;
+use crate::index::Viewpoint;
 use crate::model::SortingModel;
 use crate::offline::{Certificate, Solution};
 use crate::one_object::OneObjectPolicy;
@@ -136,7 +137,7 @@ impl Despot {
     ///
     /// # Errors
     /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model, or the budget is zero.
-    pub fn plan(&self, belief: &Belief, viewpoint: usize, budget: Budget) -> Result<Plan> {
+    pub fn plan(&self, belief: &Belief, viewpoint: Viewpoint, budget: Budget) -> Result<Plan> {
         self.plan_until(belief, viewpoint, budget, false, &NEVER)
     }
 
@@ -144,7 +145,7 @@ impl Despot {
     ///
     /// # Errors
     /// As [`Despot::plan`].
-    pub fn plan_in_parallel(&self, belief: &Belief, viewpoint: usize, budget: Budget) -> Result<Plan> {
+    pub fn plan_in_parallel(&self, belief: &Belief, viewpoint: Viewpoint, budget: Budget) -> Result<Plan> {
         self.plan_until(belief, viewpoint, budget, true, &NEVER)
     }
 
@@ -155,7 +156,7 @@ impl Despot {
     pub fn plan_until(
         &self,
         belief: &Belief,
-        viewpoint: usize,
+        viewpoint: Viewpoint,
         budget: Budget,
         parallel: bool,
         stop: &AtomicBool,

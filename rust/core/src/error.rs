@@ -1,5 +1,7 @@
 //! The one error type of the core.
 
+use crate::index::Position;
+
 /// Everything that can be refused. Messages carry the value, what was expected, and the remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -16,10 +18,10 @@ pub enum Error {
     )]
     ImpossibleObservation {
         /// Belt position, 0 at the belt end.
-        position: usize,
+        position: Position,
         /// Name of the viewpoint.
         viewpoint: String,
-        /// Name of the observed class.
+        /// Name of the label.
         label: String,
     },
     /// A policy that failed while it was asked for an action.

@@ -2,23 +2,37 @@
 
 mod likelihood;
 mod pomdp;
+mod sets;
 mod spec;
 mod validate;
 
+use std::fmt;
+
 use nalgebra::{DMatrix, DVector};
 
+pub use likelihood::Look;
 pub use spec::{ModelSpec, ScalarOrMatrix, Tables};
 pub(crate) use validate::distribution;
 
 use crate::error::{Result, argument_error, model_error};
+use crate::index::{Class, Position, Viewpoint};
 
 /// One planner step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Action {
     /// `m_k`: move the camera to a viewpoint and scan.
-    Move(usize),
+    Move(Viewpoint),
     /// `d_i`: sort the object at the belt end as this class; the belt advances.
-    Decide(usize),
+    Decide(Class),
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Move(viewpoint) => write!(f, "Move({viewpoint})"),
+            Self::Decide(class) => write!(f, "Decide({class})"),
+        }
+    }
 }
 
 /// A checked sorting model, ready for arithmetic.
@@ -28,13 +42,14 @@ pub enum Action {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SortingModel {
     spec: ModelSpec,
-    /// Normalised tables, index `position * K + viewpoint`; rows are true classes, columns observed ones.
+    /// Normalised tables, index `position * K + viewpoint`; rows are true classes, columns labels.
     tables: Vec<DMatrix<f64>>,
     arrival: DVector<f64>,
     motion_cost: DMatrix<f64>,
     /// Shape (H, K).
     repeat: DMatrix<f64>,
-    travel: Vec<Vec<usize>>,
+    /// Where one move leads from each viewpoint, ascending.
+    travel: Vec<Vec<Viewpoint>>,
 }
 
 impl SortingModel {
@@ -54,7 +69,7 @@ impl SortingModel {
         let repeat = spec.repeat.as_ref().map_or_else(|| DMatrix::zeros(h, k), |repeat| repeat.expand(h, k));
         let travel = match &spec.travel {
             Some(lists) => lists.iter().map(|list| sorted(list)).collect(),
-            None => vec![(0..k).collect(); k],
+            None => vec![(0..k).map(Viewpoint).collect(); k],
         };
         Ok(Self { spec, tables, arrival, motion_cost, repeat, travel })
     }
@@ -65,28 +80,10 @@ impl SortingModel {
         &self.spec
     }
 
-    /// L, the number of classes.
+    /// Observation table of a position seen from a viewpoint: rows are true classes, columns labels.
     #[must_use]
-    pub fn class_count(&self) -> usize {
-        self.spec.classes.len()
-    }
-
-    /// K, the number of viewpoints.
-    #[must_use]
-    pub fn viewpoint_count(&self) -> usize {
-        self.spec.viewpoints.len()
-    }
-
-    /// H, the number of belt positions seen at once.
-    #[must_use]
-    pub fn position_count(&self) -> usize {
-        self.spec.p_obs.len()
-    }
-
-    /// Observation table of a position seen from a viewpoint: rows are true classes, columns observed ones.
-    #[must_use]
-    pub fn table(&self, position: usize, viewpoint: usize) -> &DMatrix<f64> {
-        &self.tables[position * self.viewpoint_count() + viewpoint]
+    pub fn table(&self, position: Position, viewpoint: Viewpoint) -> &DMatrix<f64> {
+        &self.tables[position.0 * self.viewpoint_count() + viewpoint.0]
     }
 
     /// Prior of the class of an arriving object, length L.
@@ -103,14 +100,14 @@ impl SortingModel {
 
     /// Cost of the move between two viewpoints.
     #[must_use]
-    pub fn motion_cost(&self, from: usize, to: usize) -> f64 {
-        self.motion_cost[(from, to)]
+    pub fn motion_cost(&self, from: Viewpoint, to: Viewpoint) -> f64 {
+        self.motion_cost[(from.0, to.0)]
     }
 
     /// The viewpoints that one move from `viewpoint` reaches, ascending.
     #[must_use]
-    pub fn legal_moves(&self, viewpoint: usize) -> &[usize] {
-        &self.travel[viewpoint]
+    pub fn legal_moves(&self, viewpoint: Viewpoint) -> &[Viewpoint] {
+        &self.travel[viewpoint.0]
     }
 
     /// Whether a scan from where the camera stands follows every decision, within the same step.
@@ -165,36 +162,6 @@ impl SortingModel {
         }
         Self::new(spec)
     }
-
-    /// Check that a viewpoint exists.
-    ///
-    /// # Errors
-    /// [`crate::Error::Argument`] naming the valid range.
-    pub fn check_viewpoint(&self, viewpoint: usize) -> Result<()> {
-        if viewpoint < self.viewpoint_count() {
-            return Ok(());
-        }
-        argument_error(format!(
-            "viewpoint {viewpoint} is out of range: 0 to {} ({})",
-            self.viewpoint_count() - 1,
-            self.spec.viewpoints.join(", ")
-        ))
-    }
-
-    /// Check that a label exists.
-    ///
-    /// # Errors
-    /// [`crate::Error::Argument`] naming the valid range.
-    pub fn check_label(&self, label: usize) -> Result<()> {
-        if label < self.class_count() {
-            return Ok(());
-        }
-        argument_error(format!(
-            "label {label} is out of range: 0 to {} ({})",
-            self.class_count() - 1,
-            self.spec.classes.join(", ")
-        ))
-    }
 }
 
 fn normalised_table(rows: &[Vec<f64>]) -> DMatrix<f64> {
@@ -210,8 +177,8 @@ fn normalised(prior: &[f64]) -> DVector<f64> {
     &prior / prior.sum()
 }
 
-fn sorted(list: &[usize]) -> Vec<usize> {
-    let mut list = list.to_vec();
+fn sorted(list: &[usize]) -> Vec<Viewpoint> {
+    let mut list: Vec<_> = list.iter().copied().map(Viewpoint).collect();
     list.sort_unstable();
     list
 }

@@ -28,6 +28,7 @@ use std::time::Duration;
 use crate::belief::Belief;
 use crate::bounds;
 use crate::error::{Result, argument_error};
+use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
 use crate::policy::Policy;
@@ -52,7 +53,7 @@ struct LeafBounds {
 }
 
 impl LeafBounds {
-    fn bounds(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> (f64, f64) {
+    fn bounds(&self, model: &SortingModel, belief: &[f64], viewpoint: Viewpoint) -> (f64, f64) {
         let lower = self.policy.value(model, (belief, Remaining::ENDLESS), viewpoint);
         let upper = bounds::upper(model, (belief, Remaining::ENDLESS), viewpoint);
         (
@@ -95,7 +96,7 @@ impl Solution {
         let arrival = Belief::new(model).as_slice().to_vec();
         let policy = OneObjectPolicy::solve(model);
         let mut leaves = LeafBounds { policy, grid: None, alphas: None };
-        let watch = Watch::new(time, stop, progress, leaves.bounds(model, &arrival, 0));
+        let watch = Watch::new(time, stop, progress, leaves.bounds(model, &arrival, Viewpoint(0)));
         if all_alike(model) {
             leaves.grid = Some(Arc::new(stages::tightened_grid(model, &watch)));
         }
@@ -116,13 +117,13 @@ impl Solution {
     ///
     /// # Errors
     /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model.
-    pub fn bounds(&self, belief: &Belief, viewpoint: usize) -> Result<(f64, f64)> {
+    pub fn bounds(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<(f64, f64)> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
         let (lower, upper) = self.leaves.bounds(&self.model, belief.as_slice(), viewpoint);
         let slack = SLACK * self.model.spec().r_max;
         let (lower, upper) = (lower - slack, upper + slack);
-        let alike = self.leaves.policy.group(viewpoint) == self.leaves.policy.group(0);
+        let alike = self.leaves.policy.group(viewpoint) == self.leaves.policy.group(Viewpoint(0));
         if alike && belief.as_slice() == Belief::new(&self.model).as_slice() {
             return Ok((lower.max(self.lower), upper.min(self.upper)));
         }
@@ -137,7 +138,7 @@ impl Solution {
     /// # Errors
     /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model, or its upper bound is the closed form,
     /// which says nothing about actions.
-    pub fn regret(&self, belief: &Belief, viewpoint: usize, action: Action) -> Result<f64> {
+    pub fn regret(&self, belief: &Belief, viewpoint: Viewpoint, action: Action) -> Result<f64> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
         let Some(grid) = &self.leaves.grid else {
@@ -170,7 +171,7 @@ impl Solution {
 
 impl Policy for Solution {
     /// The action that is best one exact step ahead of the upper bound; without a grid, the one-object policy's.
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
         let belief = belief.as_slice();
@@ -207,23 +208,23 @@ pub(crate) struct Certificate(Arc<GridBound>);
 impl Certificate {
     /// One that is ready in a fraction of a second, and loose; for models that [`upper`] has a proof for.
     pub(crate) fn coarse(model: &SortingModel) -> Option<Self> {
-        let moves = model.legal_moves(0).len().max(1) as f64;
+        let moves = model.legal_moves(Viewpoint(0)).len().max(1) as f64;
         let grid = || stages::coarse_grid(model, MOST_AT_ONCE / moves, || false);
         (model.check_plain().is_ok() && all_alike(model)).then(|| Self(Arc::new(grid())))
     }
 
     /// The bound at a belief, one exact step ahead.
-    pub(crate) fn at(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> f64 {
+    pub(crate) fn at(&self, model: &SortingModel, belief: &[f64], viewpoint: Viewpoint) -> f64 {
         self.0.look_ahead(model, belief, viewpoint).1 + SLACK * model.spec().r_max
     }
 }
 
 /// Whether the proofs of [`upper`] and [`controller`] cover a model: at most two positions, viewpoints all alike.
 fn all_alike(model: &SortingModel) -> bool {
-    let cost =
-        |from: usize| model.legal_moves(0).iter().map(move |&to| model.motion_cost(from, to).to_bits());
-    let alike = |k: usize| model.legal_moves(k) == model.legal_moves(0) && cost(k).eq(cost(0));
-    model.position_count() <= 2 && (0..model.viewpoint_count()).all(alike)
+    let moves = model.legal_moves(Viewpoint(0));
+    let cost = |from| moves.iter().map(move |&to| model.motion_cost(from, to).to_bits());
+    let alike = |k| model.legal_moves(k) == moves && cost(k).eq(cost(Viewpoint(0)));
+    model.position_count() <= 2 && model.viewpoints().all(alike)
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ mod stored;
 
 use nalgebra::DVector;
 
+use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 pub(crate) use candidates::Weighed;
@@ -33,6 +34,17 @@ pub struct OneObjectPolicy {
     following: Following,
 }
 
+/// Where an object stands when its turn comes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turn {
+    /// Viewpoint group of the camera.
+    pub group: usize,
+    /// Number of positions behind it.
+    pub behind: usize,
+    /// Whether the belt ever ends.
+    pub ends: bool,
+}
+
 impl OneObjectPolicy {
     /// Number of viewpoint groups.
     #[inline(always)]
@@ -42,13 +54,13 @@ impl OneObjectPolicy {
 
     /// Group of a viewpoint.
     #[inline(always)]
-    pub(crate) fn group(&self, viewpoint: usize) -> usize {
-        self.group_of[viewpoint]
+    pub(crate) fn group(&self, viewpoint: Viewpoint) -> usize {
+        self.group_of[viewpoint.0]
     }
 
     /// A viewpoint of a group; all of them have the same moves at the same costs.
-    pub(crate) fn representative(&self, group: usize) -> usize {
-        self.group_of.iter().position(|g| *g == group).unwrap_or(0)
+    pub(crate) fn representative(&self, group: usize) -> Viewpoint {
+        Viewpoint(self.group_of.iter().position(|g| *g == group).unwrap_or(0))
     }
 
     /// Value of an unseen object at the belt end and unseen ones behind it, per group.
@@ -68,11 +80,10 @@ impl OneObjectPolicy {
         self.plans[group].best(belief, continuation)
     }
 
-    /// `G` and `D_s` at a belief of the plans from a group that may be best before so many positions, on a belt that
-    /// `ends` or not.
+    /// `G` and `D_s` at a belief of the plans that may be best at its turn, whatever is known of the objects behind.
     pub(crate) fn candidates(
         &self,
-        (group, behind, ends): (usize, usize, bool),
+        Turn { group, behind, ends }: Turn,
         belief: &[f64],
         found: &mut Vec<f64>,
         weighed: &mut Weighed,
@@ -102,7 +113,7 @@ impl OneObjectPolicy {
         &self,
         model: &SortingModel,
         (belief, remaining): (&[f64], Remaining),
-        viewpoint: usize,
+        viewpoint: Viewpoint,
     ) -> f64 {
         let l = model.class_count();
         if remaining.is_over() {
@@ -131,7 +142,7 @@ impl OneObjectPolicy {
         &self,
         model: &SortingModel,
         (belief, remaining): (&[f64], Remaining),
-        viewpoint: usize,
+        viewpoint: Viewpoint,
     ) -> Action {
         let l = model.class_count();
         self.best(self.group(viewpoint), &belief[..l], &self.continuation((belief, remaining), l)).0.action

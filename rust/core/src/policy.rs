@@ -2,6 +2,7 @@
 
 use crate::belief::Belief;
 use crate::error::{Result, argument_error};
+use crate::index::{Position, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
 
@@ -11,7 +12,7 @@ pub trait Policy: Sync {
     ///
     /// # Errors
     /// Whatever keeps the policy from naming one; the caller passes it on.
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action>;
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action>;
 }
 
 /// Look from one viewpoint until a class is likely enough.
@@ -20,7 +21,7 @@ pub struct Threshold {
     model: SortingModel,
     confidence: f64,
     /// First move from each viewpoint on the way to the one to look from; `None` where no move is legal.
-    next_move: Vec<Option<usize>>,
+    next_move: Vec<Option<Viewpoint>>,
 }
 
 impl Threshold {
@@ -29,11 +30,11 @@ impl Threshold {
     ///
     /// # Errors
     /// [`crate::Error::Argument`] for a threshold outside (0, 1] or an unknown viewpoint.
-    pub fn new(model: &SortingModel, threshold: f64, viewpoint: Option<usize>) -> Result<Self> {
+    pub fn new(model: &SortingModel, threshold: f64, viewpoint: Option<Viewpoint>) -> Result<Self> {
         check_threshold(threshold)?;
         let target = match viewpoint {
             Some(viewpoint) => viewpoint,
-            None => most_informative(model, &Belief::new(model), 1, 0..model.viewpoint_count()).unwrap_or(0),
+            None => most_informative(model, &Belief::new(model), 1, model.viewpoints()).unwrap_or_default(),
         };
         model.check_viewpoint(target)?;
         Ok(Self { model: model.clone(), confidence: threshold, next_move: next_moves(model, target) })
@@ -41,13 +42,13 @@ impl Threshold {
 }
 
 impl Policy for Threshold {
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
-        let (label, p_right) = belief.most_likely(0);
-        Ok(match self.next_move[viewpoint] {
+        let (class, p_right) = belief.most_likely(Position(0));
+        Ok(match self.next_move[viewpoint.0] {
             Some(to) if p_right < self.confidence => Action::Move(to),
-            _ => Action::Decide(label),
+            _ => Action::Decide(class),
         })
     }
 }
@@ -79,16 +80,16 @@ impl InformationGain {
 }
 
 impl Policy for InformationGain {
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
-        let (label, p_right) = belief.most_likely(0);
+        let (class, p_right) = belief.most_likely(Position(0));
         if p_right >= self.confidence {
-            return Ok(Action::Decide(label));
+            return Ok(Action::Decide(class));
         }
         let moves = self.model.legal_moves(viewpoint).iter().copied();
         Ok(most_informative(&self.model, belief, self.positions, moves)
-            .map_or(Action::Decide(label), Action::Move))
+            .map_or(Action::Decide(class), Action::Move))
     }
 }
 
@@ -108,7 +109,7 @@ impl OneObject {
 }
 
 impl Policy for OneObject {
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
         Ok(self.plans.action(&self.model, belief.known(), viewpoint))
@@ -129,13 +130,13 @@ fn most_informative(
     model: &SortingModel,
     belief: &Belief,
     positions: usize,
-    viewpoints: impl IntoIterator<Item = usize>,
-) -> Option<usize> {
-    let gain = |v| (0..positions).map(|j| belief.information(model, j, v)).sum::<f64>();
+    viewpoints: impl IntoIterator<Item = Viewpoint>,
+) -> Option<Viewpoint> {
+    let gain = |v| model.positions().take(positions).map(|j| belief.information(model, j, v)).sum::<f64>();
     viewpoints
         .into_iter()
         .map(|v| (v, gain(v)))
-        .fold(None, |best: Option<(usize, f64)>, next| match best {
+        .fold(None, |best: Option<(Viewpoint, f64)>, next| match best {
             Some(best) if best.1 >= next.1 => Some(best),
             _ => Some(next),
         })
@@ -143,20 +144,20 @@ fn most_informative(
 }
 
 /// The first move of a shortest path from each viewpoint to `target`; where there is none, the first legal move.
-fn next_moves(model: &SortingModel, target: usize) -> Vec<Option<usize>> {
-    let k = model.viewpoint_count();
-    let mut next: Vec<Option<usize>> = vec![None; k];
+fn next_moves(model: &SortingModel, target: Viewpoint) -> Vec<Option<Viewpoint>> {
+    let mut next: Vec<Option<Viewpoint>> = vec![None; model.viewpoint_count()];
     // At the target itself: stay and scan again, if that is legal.
-    next[target] = model.legal_moves(target).iter().copied().find(|to| *to == target);
+    next[target.0] = model.legal_moves(target).iter().copied().find(|to| *to == target);
     let mut reached = vec![target];
-    for index in 0..k {
+    for index in 0..next.len() {
         let Some(&via) = reached.get(index) else { break };
-        for (from, step) in next.iter_mut().enumerate() {
+        for (from, step) in model.viewpoints().zip(&mut next) {
             if from != target && step.is_none() && model.legal_moves(from).contains(&via) {
                 *step = Some(via);
                 reached.push(from);
             }
         }
     }
-    (0..k).map(|from| next[from].or_else(|| model.legal_moves(from).first().copied())).collect()
+    let any = |from| model.legal_moves(from).first().copied();
+    model.viewpoints().zip(next).map(|(from, step)| step.or_else(|| any(from))).collect()
 }

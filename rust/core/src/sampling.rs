@@ -8,7 +8,8 @@ use std::borrow::Borrow;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::model::SortingModel;
+use crate::index::{Class, Label};
+use crate::model::{Look, SortingModel};
 
 /// What a stream of randoms is for; streams of different purposes never meet.
 #[derive(Debug, Clone, Copy)]
@@ -51,18 +52,11 @@ pub(crate) fn invert<P: Borrow<f64>>(distribution: impl IntoIterator<Item = P>, 
     last_possible
 }
 
-/// The label that a scan from `viewpoint` gives to an object of `class` at `position`, after the label `last`.
+/// The label that a look gives at an object of `class`.
 ///
 /// It is drawn from the mixture of repeated and fresh labels at once: one uniform per look, whatever was seen before.
-pub(crate) fn label(
-    model: &SortingModel,
-    position: usize,
-    viewpoint: usize,
-    last: Option<usize>,
-    class: usize,
-    u: f64,
-) -> usize {
-    invert(model.label_distribution(position, viewpoint, last, class), u)
+pub(crate) fn label(model: &SortingModel, look: Look, class: Class, u: f64) -> Label {
+    Label(invert(model.label_distribution(look, class), u))
 }
 
 #[cfg(test)]
@@ -70,6 +64,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::index::{Position, Viewpoint};
     use crate::testing::{models_in_full, seeded};
 
     proptest! {
@@ -79,12 +74,13 @@ mod tests {
         fn labels_come_as_often_as_their_likelihood(spec in models_in_full(), last in 0..2_usize, class in 0..2_usize) {
             const N: usize = 2000;
             let model = SortingModel::new(spec).unwrap();
-            let mut counts = vec![0.0; model.class_count()];
+            let look = Look { last: Some(Label(last)), ..Look::first(Position(0), Viewpoint(0)) };
+            let mut counts = vec![0.0; model.label_count()];
             for i in 0..N {
-                counts[label(&model, 0, 0, Some(last), class, i as f64 / N as f64)] += 1.0 / N as f64;
+                counts[label(&model, look, Class(class), i as f64 / N as f64).0] += 1.0 / N as f64;
             }
-            for (z, share) in counts.into_iter().enumerate() {
-                prop_assert!((share - model.likelihood(0, 0, Some(last), z, class)).abs() < 2.0 / N as f64);
+            for (z, share) in model.labels().zip(counts) {
+                prop_assert!((share - model.likelihood(look, z, Class(class))).abs() < 2.0 / N as f64);
             }
         }
     }

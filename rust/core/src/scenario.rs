@@ -9,7 +9,8 @@ use std::sync::OnceLock;
 use rand::Rng;
 use rayon::prelude::*;
 
-use crate::model::SortingModel;
+use crate::index::{Class, Label, Position};
+use crate::model::{Look, SortingModel};
 use crate::planes;
 use crate::sampling::{Purpose, stream};
 
@@ -83,8 +84,8 @@ impl Randoms {
     }
 
     /// The randoms behind the labels of a position at a depth.
-    fn label(&self, depth: usize, position: usize) -> &[u32] {
-        self.at(depth, 1 + position)
+    fn label(&self, depth: usize, position: Position) -> &[u32] {
+        self.at(depth, 1 + position.0)
     }
 
     fn at(&self, depth: usize, index: usize) -> &[u32] {
@@ -104,12 +105,15 @@ pub(crate) struct LookPoint {
     pub(crate) depth: usize,
     /// Decisions since the root.
     pub(crate) decisions: usize,
-    /// Where the camera stands.
-    pub(crate) viewpoint: usize,
-    /// Belt position looked at.
-    pub(crate) position: usize,
-    /// The label that it gave from there before, if the model can repeat it.
-    pub(crate) last: Option<usize>,
+    /// At which position, and from where.
+    pub(crate) look: Look,
+}
+
+impl LookPoint {
+    /// The object looked at, by its place on the belt.
+    fn object(self) -> usize {
+        self.decisions + self.look.position.0
+    }
 }
 
 /// Which scenarios give which label: a plane per label for every look that the search has needed so far.
@@ -165,7 +169,7 @@ impl LabelPlanes {
             if self.index[key] == ABSENT {
                 self.index[key] = first + missing.len() * size;
                 missing.push(at);
-                self.require_object(model, randoms, at.decisions + at.position);
+                self.require_object(model, randoms, at.object());
             }
         }
         self.labels.resize(first + missing.len() * size, 0);
@@ -189,8 +193,8 @@ impl LabelPlanes {
 
     /// The scenarios in which a look gives a label.
     #[inline(always)]
-    pub(crate) fn label(&self, at: LookPoint, label: usize) -> &[u64] {
-        &self.labels[self.index[self.key(at)] + label * self.words..][..self.words]
+    pub(crate) fn label(&self, at: LookPoint, label: Label) -> &[u64] {
+        &self.labels[self.index[self.key(at)] + label.0 * self.words..][..self.words]
     }
 
     /// Looks are numbered depth by depth: at depth d there have been 0 to d decisions, or d + 1 if the scan follows
@@ -198,8 +202,9 @@ impl LabelPlanes {
     #[inline(always)]
     fn key(&self, at: LookPoint) -> usize {
         let step = at.depth * (at.depth + 3) / 2 + at.decisions;
-        let look = (step * self.viewpoints + at.viewpoint) * self.positions + at.position;
-        look * self.variants + at.last.map_or(0, |label| label + 1)
+        let Look { position, viewpoint, last } = at.look;
+        let look = (step * self.viewpoints + viewpoint.0) * self.positions + position.0;
+        look * self.variants + last.map_or(0, |label| label.0 + 1)
     }
 
     /// The plane of each class of an object with this distribution.
@@ -213,10 +218,10 @@ impl LabelPlanes {
 
     /// The plane of each label of a look.
     fn fill(&self, model: &SortingModel, randoms: &Randoms, at: LookPoint, planes: &mut [u64]) {
-        let object = &self.objects[at.decisions + at.position];
-        let randoms = randoms.label(at.depth, at.position);
+        let object = &self.objects[at.object()];
+        let randoms = randoms.label(at.depth, at.look.position);
         for (class, among) in object.chunks_exact(self.words).enumerate() {
-            let distribution = model.label_distribution(at.position, at.viewpoint, at.last, class);
+            let distribution = model.label_distribution(at.look, Class(class));
             pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes });
         }
     }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::error::{Result, argument_error};
+use crate::index::{Class, Viewpoint};
 use crate::model::SortingModel;
 use crate::offline::Solution;
 use crate::policy::Policy;
@@ -25,10 +26,10 @@ const LIMIT: usize = 1 << 31;
 pub enum TrueClasses {
     /// The arrival prior of the model that draws labels.
     Arrival,
-    /// Uniformly from these labels.
-    UniformlyFrom(Vec<usize>),
-    /// Given: a row of `batch_size + H - 1` labels per batch.
-    Given(Vec<Vec<usize>>),
+    /// Uniformly from these classes.
+    UniformlyFrom(Vec<Class>),
+    /// Given: a row of `batch_size + H - 1` classes per batch.
+    Given(Vec<Vec<Class>>),
 }
 
 /// What to simulate.
@@ -43,7 +44,7 @@ pub struct EvaluationConfig {
     /// Whether the belt ends with the batch, and the beliefs that the policy is asked with tell how many objects are left.
     pub belt_ends: bool,
     /// Where the camera stands when a batch starts.
-    pub viewpoint: usize,
+    pub viewpoint: Viewpoint,
     /// The objects.
     pub true_classes: TrueClasses,
     /// An object looked at this often is decided as its most likely class.
@@ -99,10 +100,10 @@ fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) 
     let objects = config.batch_size + model.position_count() - 1;
     match &config.true_classes {
         TrueClasses::Arrival => Ok(()),
-        TrueClasses::UniformlyFrom(labels) if labels.is_empty() => {
+        TrueClasses::UniformlyFrom(classes) if classes.is_empty() => {
             argument_error("true_classes is empty; list at least one label to draw from")
         }
-        TrueClasses::UniformlyFrom(labels) => labels.iter().try_for_each(|&label| model.check_label(label)),
+        TrueClasses::UniformlyFrom(classes) => classes.iter().try_for_each(|&class| model.check_class(class)),
         TrueClasses::Given(rows) => {
             if rows.len() != config.batches || rows.iter().any(|row| row.len() != objects) {
                 return argument_error(format!(
@@ -110,7 +111,7 @@ fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) 
                     config.batches
                 ));
             }
-            rows.iter().flatten().try_for_each(|&label| model.check_label(label))
+            rows.iter().flatten().try_for_each(|&class| model.check_class(class))
         }
     }
 }

@@ -8,6 +8,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::belief::Belief;
+use crate::index::{Label, Position, Viewpoint};
 use crate::model::{ModelSpec, ScalarOrMatrix, SortingModel};
 pub(crate) use exact::{Exact, tiny_beliefs, tiny_models};
 
@@ -97,7 +98,7 @@ pub(crate) fn belts() -> impl Strategy<Value = Option<usize>> {
 pub(crate) fn enumerated_value(
     model: &SortingModel,
     belief: &Belief,
-    viewpoint: usize,
+    viewpoint: Viewpoint,
     depth: usize,
 ) -> (f64, f64) {
     if belief.remaining() == Some(0) {
@@ -114,7 +115,7 @@ pub(crate) fn enumerated_value(
     };
     let mut advanced = belief.clone();
     advanced.advance(model);
-    let reward = model.decision_reward(belief.most_likely(0).1);
+    let reward = model.decision_reward(belief.most_likely(Position(0)).1);
     let mut best = if model.observes_after_decision() {
         let reward = reward + advanced.bonus(model, viewpoint);
         after(reward, value_of_scan(model, &advanced, viewpoint, depth - 1))
@@ -130,7 +131,7 @@ pub(crate) fn enumerated_value(
 }
 
 /// Expectation of [`enumerated_value`] over the labels of a scan.
-fn value_of_scan(model: &SortingModel, belief: &Belief, viewpoint: usize, depth: usize) -> (f64, f64) {
+fn value_of_scan(model: &SortingModel, belief: &Belief, viewpoint: Viewpoint, depth: usize) -> (f64, f64) {
     all_labels(model, model.position_count()).iter().fold((0.0, 0.0), |value, labels| {
         let p = probability(model, belief, viewpoint, labels);
         let mut posterior = belief.clone();
@@ -142,16 +143,21 @@ fn value_of_scan(model: &SortingModel, belief: &Belief, viewpoint: usize, depth:
 }
 
 /// Every label vector of a scan of one or two objects.
-pub(crate) fn all_labels(model: &SortingModel, objects: usize) -> Vec<Vec<usize>> {
-    let l = model.class_count();
+pub(crate) fn all_labels(model: &SortingModel, objects: usize) -> Vec<Vec<Label>> {
+    let pairs = |a| model.labels().map(move |b| vec![a, b]);
     match objects {
-        1 => (0..l).map(|z| vec![z]).collect(),
-        _ => (0..l * l).map(|z| vec![z / l, z % l]).collect(),
+        1 => model.labels().map(|z| vec![z]).collect(),
+        _ => model.labels().flat_map(pairs).collect(),
     }
 }
 
 /// Probability of a label vector.
-pub(crate) fn probability(model: &SortingModel, belief: &Belief, viewpoint: usize, labels: &[usize]) -> f64 {
+pub(crate) fn probability(
+    model: &SortingModel,
+    belief: &Belief,
+    viewpoint: Viewpoint,
+    labels: &[Label],
+) -> f64 {
     let predicted = belief.label_probabilities(model, viewpoint).unwrap();
-    labels.iter().enumerate().map(|(j, z)| predicted[(*z, j)]).product()
+    labels.iter().enumerate().map(|(j, z)| predicted[(z.0, j)]).product()
 }

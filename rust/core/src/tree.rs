@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use crate::index::{Label, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 
@@ -63,14 +64,14 @@ pub(crate) struct Child {
 
 /// Labels from their code, the belt end's first.
 #[inline(always)]
-pub(crate) fn seen(model: &SortingModel, mut code: u64) -> impl Iterator<Item = usize> + use<> {
+pub(crate) fn seen(model: &SortingModel, mut code: u64) -> impl Iterator<Item = Label> + use<> {
     let base = model.class_count() as u64;
     (0..model.position_count()).map(move |_| {
         let digit = code % base;
         code /= base;
         // A digit is below L, which is a usize.
         #[allow(clippy::cast_possible_truncation)]
-        let label = digit as usize;
+        let label = Label(digit as usize);
         label
     })
 }
@@ -115,7 +116,7 @@ pub(crate) struct Node {
     /// Decisions since the root.
     pub decisions: usize,
     /// Where the camera stands.
-    pub viewpoint: usize,
+    pub viewpoint: Viewpoint,
     /// Objects left to decide.
     pub remaining: Remaining,
     /// As its child's.
@@ -153,7 +154,7 @@ impl Node {
     }
 
     /// Depth, decisions and viewpoint after an action.
-    pub(crate) fn after(&self, action: Action) -> (usize, usize, usize) {
+    pub(crate) fn after(&self, action: Action) -> (usize, usize, Viewpoint) {
         match action {
             Action::Move(viewpoint) => (self.depth + 1, self.decisions, viewpoint),
             Action::Decide(_) => (self.depth + 1, self.decisions + 1, self.viewpoint),
@@ -203,7 +204,7 @@ pub(crate) struct Tree {
     /// The root as a child of nobody.
     pub root: Child,
     /// Where the camera stands at the root.
-    pub viewpoint: usize,
+    pub viewpoint: Viewpoint,
     /// Objects left to decide at the root.
     pub remaining: Remaining,
     /// Edges to back up, by node and number.

@@ -1,6 +1,6 @@
 //! `Move` and `Decide`.
 
-use beltsort_core::Action;
+use beltsort_core::{Action, Class, Viewpoint};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -105,18 +105,18 @@ impl Decide {
 /// The Python object for an action.
 pub fn to_python(py: Python<'_>, action: Action) -> PyResult<Py<PyAny>> {
     match action {
-        Action::Move(viewpoint) => Ok(Py::new(py, Move { viewpoint })?.into_any()),
-        Action::Decide(label) => Ok(Py::new(py, Decide { label })?.into_any()),
+        Action::Move(Viewpoint(viewpoint)) => Ok(Py::new(py, Move { viewpoint })?.into_any()),
+        Action::Decide(Class(label)) => Ok(Py::new(py, Decide { label })?.into_any()),
     }
 }
 
 /// The action behind a Python object.
 pub fn from_python(object: &Bound<'_, PyAny>) -> PyResult<Action> {
     if let Ok(Move { viewpoint }) = object.extract() {
-        return Ok(Action::Move(viewpoint));
+        return Ok(Action::Move(Viewpoint(viewpoint)));
     }
     if let Ok(Decide { label }) = object.extract() {
-        return Ok(Action::Decide(label));
+        return Ok(Action::Decide(Class(label)));
     }
     Err(PolicyError::new_err(format!(
         "a policy returned {}; return beltsort.Move(viewpoint) or beltsort.Decide(label)",

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use beltsort_core::{Belief, SortingModel};
+use beltsort_core::{Belief, Label, Position, SortingModel, Viewpoint};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
 
-use crate::convert::{Whole, index, labels_or_none, rows};
+use crate::convert::{self, Whole, index, labels_or_none, rows};
 use crate::errors::{ArgumentError, to_python};
 use crate::model::PySortingModel;
 
@@ -71,9 +71,9 @@ impl PyBelief {
     }
 
     /// The label that a position last gave from a viewpoint; -1 for none, as numpy has no None among integers.
-    fn last_label(&self, position: usize, viewpoint: usize) -> i64 {
+    fn last_label(&self, position: Position, viewpoint: Viewpoint) -> i64 {
         let label = self.belief.last_label(&self.model, position, viewpoint);
-        label.and_then(|label| i64::try_from(label).ok()).unwrap_or(-1)
+        label.and_then(|label| i64::try_from(label.0).ok()).unwrap_or(-1)
     }
 }
 
@@ -111,7 +111,8 @@ impl PyBelief {
     /// `b^j_i`: probability that the object at position j is of class i, float64 of shape (H, L); a copy.
     #[getter]
     fn probabilities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        Array2::from_shape_fn(self.belief.shape(), |(j, c)| self.belief.position(j)[c]).into_pyarray(py)
+        Array2::from_shape_fn(self.belief.shape(), |(j, c)| self.belief.position(Position(j))[c])
+            .into_pyarray(py)
     }
 
     /// Last label of each position from each viewpoint since the belt moved, int64 of shape (H, K); a copy.
@@ -120,7 +121,7 @@ impl PyBelief {
     #[getter]
     fn last_labels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
         let shape = (self.model.position_count(), self.model.viewpoint_count());
-        Array2::from_shape_fn(shape, |(j, v)| self.last_label(j, v)).into_pyarray(py)
+        Array2::from_shape_fn(shape, |(j, v)| self.last_label(Position(j), Viewpoint(v))).into_pyarray(py)
     }
 
     /// Objects left to decide, the one at the belt end included; None for a belt that never ends.
@@ -151,7 +152,7 @@ impl PyBelief {
         py: Python<'py>,
         viewpoint: Whole,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let viewpoint = index("viewpoint", viewpoint)?;
+        let viewpoint = convert::viewpoint(viewpoint)?;
         let predicted = self.belief.label_probabilities(&self.model, viewpoint).map_err(to_python)?;
         Ok(Array2::from_shape_fn(self.belief.shape(), |(j, z)| predicted[(z, j)]).into_pyarray(py))
     }
@@ -179,9 +180,9 @@ impl PyBelief {
     fn observe(&mut self, viewpoint: Whole, labels: Vec<Option<Whole>>) -> PyResult<()> {
         let labels = labels
             .into_iter()
-            .map(|label| label.map(|z| index("label", z)).transpose())
+            .map(|label| label.map(|z| index("label", z).map(Label)).transpose())
             .collect::<PyResult<Vec<_>>>()?;
-        self.belief.observe(&self.model, index("viewpoint", viewpoint)?, &labels).map_err(to_python)
+        self.belief.observe(&self.model, convert::viewpoint(viewpoint)?, &labels).map_err(to_python)
     }
 
     /// The belt advances: each position takes over the distribution behind it, the last one the arrival
@@ -213,15 +214,10 @@ impl PyBelief {
     /// ArgumentError
     ///     If the model has no such position.
     fn most_likely(&self, position: Whole) -> PyResult<(usize, f64)> {
-        let position = index("position", position)?;
-        let positions = self.model.position_count();
-        if position >= positions {
-            return Err(ArgumentError::new_err(format!(
-                "position {position} is out of range: 0 to {}",
-                positions - 1
-            )));
-        }
-        Ok(self.belief.most_likely(position))
+        let position = Position(index("position", position)?);
+        self.model.check_position(position).map_err(to_python)?;
+        let (class, probability) = self.belief.most_likely(position);
+        Ok((class.0, probability))
     }
 
     /// An independent belief, equal to this one.
@@ -230,17 +226,17 @@ impl PyBelief {
     }
 
     fn __repr__(&self) -> String {
-        let (positions, _) = self.belief.shape();
-        let rows: Vec<String> = (0..positions)
+        let rows: Vec<String> = self
+            .model
+            .positions()
             .map(|j| {
                 let row: Vec<String> = self.belief.position(j).iter().map(|p| format!("{p:.3}")).collect();
                 format!("[{}]", row.join(", "))
             })
             .collect();
         let memory = if self.model.ever_repeats() {
-            let viewpoints = 0..self.model.viewpoint_count();
-            let row = |j| viewpoints.clone().map(|v| self.last_label(j, v)).collect::<Vec<_>>();
-            format!(", last_labels={:?}", (0..positions).map(row).collect::<Vec<_>>())
+            let row = |j| self.model.viewpoints().map(|v| self.last_label(j, v)).collect::<Vec<_>>();
+            format!(", last_labels={:?}", self.model.positions().map(row).collect::<Vec<_>>())
         } else {
             String::new()
         };

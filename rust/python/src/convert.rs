@@ -1,6 +1,6 @@
 //! From Python's numbers and arrays to those of the core.
 
-use beltsort_core::{ScalarOrMatrix, Tables};
+use beltsort_core::{Class, Label, ScalarOrMatrix, Tables, Viewpoint};
 use numpy::ndarray::Array4;
 use numpy::{AllowTypeChange, Element, IntoPyArray, PyArray4, PyArrayLikeDyn};
 use pyo3::prelude::*;
@@ -14,10 +14,15 @@ const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 /// A whole number as Python gives it: wide enough that what is out of range gets the core's own answer.
 pub type Whole = i128;
 
-/// A viewpoint, label or position as Python gives it; a negative one is out of range, not an overflow.
+/// An index as Python gives it; a negative one is out of range, not an overflow.
 pub fn index(name: &str, value: Whole) -> PyResult<usize> {
     usize::try_from(value)
         .map_err(|_| ArgumentError::new_err(format!("{name} {value} is out of range: indices start at 0")))
+}
+
+/// A viewpoint as Python gives it; the core says whether the model has it.
+pub fn viewpoint(value: Whole) -> PyResult<Viewpoint> {
+    index("viewpoint", value).map(Viewpoint)
 }
 
 /// A number of things; the core says what it thinks of 0.
@@ -83,16 +88,22 @@ pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<Vec<f64>>, Strin
 }
 
 /// Rows of labels, -1 for none, or what is wrong with them.
-pub fn labels_or_none(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<Vec<Option<usize>>>, String> {
+pub fn labels_or_none(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<Vec<Option<Label>>>, String> {
     let label = |entry: f64| match entry {
         -1.0 => Ok(None),
-        _ => self::label(name, entry).map(Some),
+        _ => whole_index(name, entry).map(Label).map(Some),
     };
     rows(name, value)?.into_iter().map(|row| row.into_iter().map(label).collect()).collect()
 }
 
-/// A label that numpy turned into a float on its way, or what is wrong with it.
-pub fn label(name: &str, value: f64) -> Result<usize, String> {
+/// Rows of classes, or what is wrong with them.
+pub fn classes(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<Vec<Class>>, String> {
+    let class = |entry: f64| whole_index(name, entry).map(Class);
+    rows(name, value)?.into_iter().map(|row| row.into_iter().map(class).collect()).collect()
+}
+
+/// An index that numpy turned into a float on its way, or what is wrong with it.
+fn whole_index(name: &str, value: f64) -> Result<usize, String> {
     usize::try_from(whole(name, value)?).map_err(|_| format!("{name} holds {value}, which is out of range"))
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use beltsort_core::{Belief, Budget, BudgetedDespot, Despot, DespotConfig, Plan, SortingModel};
+use beltsort_core::{Belief, Budget, BudgetedDespot, Despot, DespotConfig, Plan, SortingModel, Viewpoint};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
@@ -11,7 +11,7 @@ use rayon::ThreadPool;
 use crate::actions;
 use crate::belief::PyBelief;
 use crate::budget::{self, budget, outside_pools, thread_pool};
-use crate::convert::{self, Whole, count, index};
+use crate::convert::{self, Whole, count};
 use crate::errors::to_python;
 use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
@@ -105,7 +105,13 @@ impl Threads {
 
 impl PyDespot {
     /// Plan with the GIL released.
-    fn search(&self, py: Python<'_>, belief: &Belief, viewpoint: usize, budget: Budget) -> PyResult<Plan> {
+    fn search(
+        &self,
+        py: Python<'_>,
+        belief: &Belief,
+        viewpoint: Viewpoint,
+        budget: Budget,
+    ) -> PyResult<Plan> {
         let (despot, stop) = (&self.planner.despot, AtomicBool::new(false));
         let plan = |parallel| despot.plan_until(belief, viewpoint, budget, parallel, &stop);
         let plan_in_pool = || match &self.threads {
@@ -192,7 +198,7 @@ impl PyDespot {
     ) -> PyResult<PyPlan> {
         belief.check_is_of(&self.model)?;
         let budget = budget(seconds, trials)?.unwrap_or(self.planner.budget);
-        let plan = self.search(py, &belief.belief, index("viewpoint", viewpoint)?, budget)?;
+        let plan = self.search(py, &belief.belief, convert::viewpoint(viewpoint)?, budget)?;
         Ok(PyPlan(plan))
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use beltsort_core as core;
-use beltsort_core::{EvaluationConfig, Policy, TrueClasses};
+use beltsort_core::{Class, EvaluationConfig, Policy, TrueClasses};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
@@ -107,7 +107,7 @@ pub fn evaluate(
         batch_size: count("batch_size", batch_size)?,
         seed: convert::seed(seed)?,
         belt_ends,
-        viewpoint: index("viewpoint", viewpoint)?,
+        viewpoint: convert::viewpoint(viewpoint)?,
         true_classes: true_classes.map_or(Ok(TrueClasses::Arrival), classes)?,
         max_looks: count("max_looks", max_looks)?,
         reference: reference.map(|reference| Arc::clone(&reference.solution)),
@@ -146,15 +146,10 @@ pub fn evaluate(
 /// A list of labels to draw from, or an array with a row per batch.
 fn classes(value: &Bound<'_, PyAny>) -> PyResult<TrueClasses> {
     if let Ok(labels) = value.extract::<Vec<Whole>>() {
-        let to_index = |label: &Whole| index("true class", *label);
-        return Ok(TrueClasses::UniformlyFrom(labels.iter().map(to_index).collect::<PyResult<_>>()?));
+        let to_class = |label: &Whole| index("true class", *label).map(Class);
+        return Ok(TrueClasses::UniformlyFrom(labels.iter().map(to_class).collect::<PyResult<_>>()?));
     }
-    let rows = convert::rows("true_classes", value).and_then(|rows| {
-        let to_labels =
-            |row: Vec<f64>| row.into_iter().map(|entry| convert::label("true_classes", entry)).collect();
-        rows.into_iter().map(to_labels).collect()
-    });
-    rows.map(TrueClasses::Given).map_err(|reason| {
+    convert::classes("true_classes", value).map(TrueClasses::Given).map_err(|reason| {
         ArgumentError::new_err(format!(
             "{reason}; true_classes is a list of labels to draw from, or labels of shape \
              (batches, batch_size + H - 1)"

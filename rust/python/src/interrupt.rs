@@ -6,7 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use beltsort_core::{Action, Belief, Error, Policy, Result};
+use beltsort_core::{Action, Belief, Error, Policy, Result, Viewpoint};
 use pyo3::prelude::*;
 
 const SIGNAL_POLL: Duration = Duration::from_millis(50);
@@ -18,7 +18,7 @@ pub struct Stoppable<'a> {
 }
 
 impl Policy for Stoppable<'_> {
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(Error::Policy("interrupted".into()));
         }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use beltsort_core::{ModelSpec, SortingModel};
+use beltsort_core::{ModelSpec, Position, SortingModel, Viewpoint};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4};
 use pyo3::prelude::*;
@@ -234,13 +234,15 @@ impl PySortingModel {
     #[getter]
     fn motion_cost<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let k = self.0.viewpoint_count();
-        Array2::from_shape_fn((k, k), |(from, to)| self.0.motion_cost(from, to)).into_pyarray(py)
+        Array2::from_shape_fn((k, k), |(from, to)| self.0.motion_cost(Viewpoint(from), Viewpoint(to)))
+            .into_pyarray(py)
     }
 
     /// The viewpoints that one move reaches, one ascending list per viewpoint.
     #[getter]
     fn travel(&self) -> Vec<Vec<usize>> {
-        (0..self.0.viewpoint_count()).map(|from| self.0.legal_moves(from).to_vec()).collect()
+        let reached = |from| self.0.legal_moves(from).iter().map(|to| to.0).collect();
+        self.0.viewpoints().map(reached).collect()
     }
 
     /// Whether a scan follows each decision.
@@ -253,7 +255,7 @@ impl PySortingModel {
     #[getter]
     fn repeat<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let shape = (self.0.position_count(), self.0.viewpoint_count());
-        Array2::from_shape_fn(shape, |(j, v)| self.0.repeat(j, v)).into_pyarray(py)
+        Array2::from_shape_fn(shape, |(j, v)| self.0.repeat(Position(j), Viewpoint(v))).into_pyarray(py)
     }
 
     /// `alpha`, reward per nat of entropy that a scan is expected to remove.

@@ -1,6 +1,6 @@
 //! The searched tree as plain data.
 
-use beltsort_core::{Action, TreeAction, TreeBranch, TreeNode};
+use beltsort_core::{Action, Class, Label, TreeAction, TreeBranch, TreeNode, Viewpoint};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -22,7 +22,7 @@ pub fn depth(value: Whole) -> PyResult<usize> {
 /// A belief and all below it.
 pub fn to_python<'py>(py: Python<'py>, node: &TreeNode) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    dict.set_item("viewpoint", node.viewpoint)?;
+    dict.set_item("viewpoint", node.viewpoint.0)?;
     dict.set_item("belief", &node.belief)?;
     dict.set_item("value", node.value)?;
     dict.set_item("lower", node.lower)?;
@@ -45,17 +45,21 @@ fn compared<'py>(py: Python<'py>, action: &TreeAction) -> PyResult<Bound<'py, Py
 fn branch<'py>(py: Python<'py>, branch: &TreeBranch) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("probability", branch.probability)?;
-    dict.set_item("labels", branch.labels.as_ref())?;
+    dict.set_item("labels", branch.labels.as_deref().map(indices))?;
     dict.set_item("node", to_python(py, &branch.node)?)?;
     Ok(dict)
+}
+
+fn indices(labels: &[Label]) -> Vec<usize> {
+    labels.iter().map(|label| label.0).collect()
 }
 
 /// An action in the journal's form.
 fn named(py: Python<'_>, action: Action) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     match action {
-        Action::Move(viewpoint) => dict.set_item("move", viewpoint)?,
-        Action::Decide(label) => dict.set_item("decide", label)?,
+        Action::Move(Viewpoint(viewpoint)) => dict.set_item("move", viewpoint)?,
+        Action::Decide(Class(label)) => dict.set_item("decide", label)?,
     }
     Ok(dict)
 }

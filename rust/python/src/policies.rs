@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::actions;
 use crate::belief::PyBelief;
-use crate::convert::{Whole, count, index};
+use crate::convert::{self, Whole, count};
 use crate::errors::to_python;
 use crate::model::PySortingModel;
 
@@ -47,7 +47,7 @@ impl PyThreshold {
     #[new]
     #[pyo3(signature = (model, threshold, viewpoint=None))]
     fn new(model: &PySortingModel, threshold: f64, viewpoint: Option<Whole>) -> PyResult<Self> {
-        let viewpoint = viewpoint.map(|v| index("viewpoint", v)).transpose()?;
+        let viewpoint = viewpoint.map(convert::viewpoint).transpose()?;
         let policy = Threshold::new(&model.0, threshold, viewpoint).map_err(to_python)?;
         Ok(Self { policy, model: Arc::clone(&model.0) })
     }
@@ -221,6 +221,6 @@ fn act(
     viewpoint: Whole,
 ) -> PyResult<Py<PyAny>> {
     belief.check_is_of(model)?;
-    let action = policy.act(&belief.belief, index("viewpoint", viewpoint)?).map_err(to_python)?;
+    let action = policy.act(&belief.belief, convert::viewpoint(viewpoint)?).map_err(to_python)?;
     actions::to_python(py, action)
 }

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::actions;
 use crate::belief::PyBelief;
 use crate::budget::time;
-use crate::convert::{Whole, index};
+use crate::convert::{self, Whole};
 use crate::errors::to_python;
 use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
@@ -75,7 +75,7 @@ impl PySolution {
     #[pyo3(signature = (belief, viewpoint=0))]
     fn bounds(&self, belief: PyBelief, viewpoint: Whole) -> PyResult<(f64, f64)> {
         belief.check_is_of(&self.model)?;
-        self.solution.bounds(&belief.belief, index("viewpoint", viewpoint)?).map_err(to_python)
+        self.solution.bounds(&belief.belief, convert::viewpoint(viewpoint)?).map_err(to_python)
     }
 
     /// The action that is best one exact step ahead of the upper bound: a solution is a policy.
@@ -98,7 +98,7 @@ impl PySolution {
     ///     For a belief of another model or an unknown viewpoint.
     fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
         belief.check_is_of(&self.model)?;
-        let viewpoint = index("viewpoint", viewpoint)?;
+        let viewpoint = convert::viewpoint(viewpoint)?;
         let action = py.detach(|| self.solution.act(&belief.belief, viewpoint)).map_err(to_python)?;
         actions::to_python(py, action)
     }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use beltsort_core::{Action, Belief, Error, Policy, Result, SortingModel};
+use beltsort_core::{Action, Belief, Error, Policy, Result, SortingModel, Viewpoint};
 use pyo3::prelude::*;
 
 use crate::actions;
@@ -37,10 +37,10 @@ impl UserPolicy {
 }
 
 impl Policy for UserPolicy {
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         Python::attach(|py| {
             let belief = PyBelief { belief: belief.clone(), model: Arc::clone(&self.model) };
-            let action = self.object.bind(py).call_method1("act", (belief, viewpoint))?;
+            let action = self.object.bind(py).call_method1("act", (belief, viewpoint.0))?;
             actions::from_python(&action)
         })
         .map_err(|raised: PyErr| {

@@ -4,13 +4,14 @@
 //! remembered, so that equal memories are equal states, and a model that repeats nothing pays nothing.
 
 use crate::error::{Result, argument_error};
-use crate::model::SortingModel;
+use crate::index::{Label, Position, Viewpoint};
+use crate::model::{Look, SortingModel};
 
 /// Last labels; see [`SortingModel::likelihood`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub(crate) struct Memory {
     /// Entry `position * K + viewpoint`; no entries for a model that never repeats.
-    labels: Vec<Option<usize>>,
+    labels: Vec<Option<Label>>,
 }
 
 impl Memory {
@@ -20,7 +21,7 @@ impl Memory {
     }
 
     /// The last labels as rows `[position][viewpoint]`.
-    pub(super) fn from_rows(model: &SortingModel, rows: &[Vec<Option<usize>>]) -> Result<Self> {
+    pub(super) fn from_rows(model: &SortingModel, rows: &[Vec<Option<Label>>]) -> Result<Self> {
         let (h, k) = (model.position_count(), model.viewpoint_count());
         if rows.len() != h || rows.iter().any(|row| row.len() != k) {
             return argument_error(format!(
@@ -31,8 +32,8 @@ impl Memory {
             ));
         }
         let mut memory = Self::new(model);
-        for (position, row) in rows.iter().enumerate() {
-            for (viewpoint, label) in row.iter().enumerate() {
+        for (position, row) in model.positions().zip(rows) {
+            for (viewpoint, label) in model.viewpoints().zip(row) {
                 let Some(label) = *label else { continue };
                 model.check_label(label)?;
                 memory.remember(model, position, viewpoint, label);
@@ -43,14 +44,31 @@ impl Memory {
 
     /// The last label of a position from a viewpoint.
     #[inline(always)]
-    pub(crate) fn last(&self, model: &SortingModel, position: usize, viewpoint: usize) -> Option<usize> {
-        self.labels.get(position * model.viewpoint_count() + viewpoint).copied().flatten()
+    pub(crate) fn last(
+        &self,
+        model: &SortingModel,
+        position: Position,
+        viewpoint: Viewpoint,
+    ) -> Option<Label> {
+        self.labels.get(Self::entry(model, position, viewpoint)).copied().flatten()
+    }
+
+    /// The next look from a viewpoint at the object at a position.
+    #[inline(always)]
+    pub(crate) fn look(&self, model: &SortingModel, position: Position, viewpoint: Viewpoint) -> Look {
+        Look { position, viewpoint, last: self.last(model, position, viewpoint) }
     }
 
     /// Take note of a label, if the model can repeat it.
-    pub(crate) fn remember(&mut self, model: &SortingModel, position: usize, viewpoint: usize, label: usize) {
+    pub(crate) fn remember(
+        &mut self,
+        model: &SortingModel,
+        position: Position,
+        viewpoint: Viewpoint,
+        label: Label,
+    ) {
         if model.repeat(position, viewpoint) > 0.0
-            && let Some(last) = self.labels.get_mut(position * model.viewpoint_count() + viewpoint)
+            && let Some(last) = self.labels.get_mut(Self::entry(model, position, viewpoint))
         {
             *last = Some(label);
         }
@@ -64,6 +82,11 @@ impl Memory {
     /// Whether this is the memory of such a model.
     pub(super) fn fits(&self, model: &SortingModel) -> bool {
         self.labels.len() == Self::entries(model)
+    }
+
+    #[inline(always)]
+    fn entry(model: &SortingModel, position: Position, viewpoint: Viewpoint) -> usize {
+        position.0 * model.viewpoint_count() + viewpoint.0
     }
 
     fn entries(model: &SortingModel) -> usize {

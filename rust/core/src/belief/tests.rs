@@ -10,15 +10,15 @@ use crate::testing::{
 /// without the factoring and without the summary of what was seen.
 struct Joint {
     probabilities: Vec<f64>,
-    scans: Vec<(usize, Vec<Option<usize>>)>,
+    scans: Vec<(Viewpoint, Vec<Option<Label>>)>,
 }
 
 impl Joint {
     /// Classes of all positions behind a joint index.
-    fn classes(model: &SortingModel, mut index: usize) -> Vec<usize> {
+    fn classes(model: &SortingModel, mut index: usize) -> Vec<Class> {
         let mut classes = Vec::new();
         for _ in 0..model.position_count() {
-            classes.push(index % model.class_count());
+            classes.push(Class(index % model.class_count()));
             index /= model.class_count();
         }
         classes
@@ -29,7 +29,7 @@ impl Joint {
     }
 
     fn new(model: &SortingModel) -> Self {
-        let prior = |i| Self::classes(model, i).iter().map(|c| model.arrival()[*c]).product();
+        let prior = |i| Self::classes(model, i).iter().map(|c| model.arrival()[c.0]).product();
         Self { probabilities: (0..Self::size(model)).map(prior).collect(), scans: Vec::new() }
     }
 
@@ -37,14 +37,14 @@ impl Joint {
     fn likelihood(
         &self,
         model: &SortingModel,
-        position: usize,
-        viewpoint: usize,
-        class: usize,
-        z: usize,
+        position: Position,
+        viewpoint: Viewpoint,
+        class: Class,
+        z: Label,
     ) -> f64 {
-        let fresh = model.table(position, viewpoint)[(class, z)];
+        let fresh = model.table(position, viewpoint)[(class.0, z.0)];
         let earlier = self.scans.iter().filter(|(v, _)| *v == viewpoint);
-        match earlier.filter_map(|(_, labels)| labels[position]).next_back() {
+        match earlier.filter_map(|(_, labels)| labels[position.0]).next_back() {
             None => fresh,
             Some(last) => {
                 let repeat = model.repeat(position, viewpoint);
@@ -53,10 +53,10 @@ impl Joint {
         }
     }
 
-    fn observe(&mut self, model: &SortingModel, viewpoint: usize, labels: &[Option<usize>]) {
+    fn observe(&mut self, model: &SortingModel, viewpoint: Viewpoint, labels: &[Option<Label>]) {
         for i in 0..self.probabilities.len() {
-            for (j, class) in Self::classes(model, i).into_iter().enumerate() {
-                if let Some(z) = labels[j] {
+            for ((j, class), label) in model.positions().zip(Self::classes(model, i)).zip(labels) {
+                if let Some(z) = *label {
                     self.probabilities[i] *= self.likelihood(model, j, viewpoint, class, z);
                 }
             }
@@ -79,8 +79,8 @@ impl Joint {
         self.scans.clear();
     }
 
-    fn marginal(&self, model: &SortingModel, position: usize, class: usize) -> f64 {
-        let of_class = |i: &usize| Self::classes(model, *i)[position] == class;
+    fn marginal(&self, model: &SortingModel, position: Position, class: Class) -> f64 {
+        let of_class = |i: &usize| Self::classes(model, *i)[position.0] == class;
         (0..self.probabilities.len()).filter(of_class).map(|i| self.probabilities[i]).sum()
     }
 }
@@ -89,13 +89,13 @@ impl Joint {
 #[derive(Debug, Clone)]
 enum Event {
     Advance,
-    Scan(usize, Vec<Option<usize>>),
+    Scan(Viewpoint, Vec<Option<Label>>),
 }
 
 /// Any history of two positions, viewpoints and at least two classes; a third of the labels is missing.
 fn histories() -> impl Strategy<Value = Vec<Event>> {
-    let label = || prop::option::weighted(0.7, 0..2_usize);
-    let scan = (0..2_usize, label(), label()).prop_map(|(v, a, b)| Event::Scan(v, vec![a, b]));
+    let label = || prop::option::weighted(0.7, (0..2_usize).prop_map(Label));
+    let scan = (0..2_usize, label(), label()).prop_map(|(v, a, b)| Event::Scan(Viewpoint(v), vec![a, b]));
     prop::collection::vec(prop_oneof![1 => Just(Event::Advance), 3 => scan], 1..10)
 }
 
@@ -103,10 +103,16 @@ fn histories() -> impl Strategy<Value = Vec<Event>> {
 fn happen(belief: &mut Belief, model: &SortingModel, event: &Event) {
     match event {
         Event::Advance => belief.advance(model),
-        Event::Scan(viewpoint, labels) => belief
-            .observe(model, viewpoint % model.viewpoint_count(), &labels[..model.position_count()])
-            .unwrap(),
+        Event::Scan(viewpoint, labels) => {
+            let labels = &labels[..model.position_count()];
+            belief.observe(model, existing(model, *viewpoint), labels).unwrap();
+        }
     }
+}
+
+/// A viewpoint that the model has.
+fn existing(model: &SortingModel, viewpoint: Viewpoint) -> Viewpoint {
+    Viewpoint(viewpoint.0 % model.viewpoint_count())
 }
 
 fn entropy(belief: &Belief) -> f64 {
@@ -131,12 +137,12 @@ proptest! {
             happen(&mut factored, &model, event);
             match event {
                 Event::Advance => joint.advance(&model),
-                Event::Scan(v, labels) => joint.observe(&model, v % model.viewpoint_count(), labels),
+                Event::Scan(v, labels) => joint.observe(&model, existing(&model, *v), labels),
             }
-            for j in 0..model.position_count() {
+            for j in model.positions() {
                 prop_assert!((factored.position(j).sum() - 1.0).abs() < 1e-12);
-                for c in 0..model.class_count() {
-                    prop_assert!((factored.position(j)[c] - joint.marginal(&model, j, c)).abs() < 1e-12);
+                for c in model.classes() {
+                    prop_assert!((factored.position(j)[c.0] - joint.marginal(&model, j, c)).abs() < 1e-12);
                 }
             }
         }
@@ -165,7 +171,7 @@ proptest! {
         for event in &events {
             happen(&mut belief, &model, event);
         }
-        for viewpoint in 0..model.viewpoint_count() {
+        for viewpoint in model.viewpoints() {
             let mut left = 0.0;
             for labels in all_labels(&model, model.position_count()) {
                 let mut posterior = belief.clone();
@@ -181,18 +187,19 @@ proptest! {
     #[test]
     fn last_labels_rebuild_a_belief(spec in models_in_full(), events in histories()) {
         let model = SortingModel::new(spec).unwrap();
-        let (h, k) = (model.position_count(), model.viewpoint_count());
         let mut belief = Belief::new(&model);
         for event in &events {
             happen(&mut belief, &model, event);
         }
-        let last = |j| (0..k).map(|v| belief.last_label(&model, j, v)).collect();
-        let rows: Vec<_> = (0..h).map(last).collect();
-        let probabilities: Vec<_> = (0..h).map(|j| belief.position(j).iter().copied().collect()).collect();
+        let last = |j| model.viewpoints().map(|v| belief.last_label(&model, j, v)).collect();
+        let rows: Vec<_> = model.positions().map(last).collect();
+        let row = |j| belief.position(j).iter().copied().collect();
+        let probabilities: Vec<_> = model.positions().map(row).collect();
         let mut other = Belief::from_rows(&model, &probabilities).unwrap().with_last_labels(&model, &rows).unwrap();
         prop_assert_eq!(&other, &belief);
         other.advance(&model);
-        prop_assert!((0..h * k).all(|i| other.last_label(&model, i / k, i % k).is_none()));
+        let forgotten = |j| model.viewpoints().all(|v| other.last_label(&model, j, v).is_none());
+        prop_assert!(model.positions().all(forgotten));
     }
 }
 
@@ -202,11 +209,11 @@ fn a_repeated_label_tells_less_by_hand() {
     spec.repeat = Some(ScalarOrMatrix::Scalar(0.5));
     let model = SortingModel::new(spec).unwrap();
     let mut belief = Belief::new(&model);
-    belief.observe(&model, 0, &[Some(1)]).unwrap();
-    assert!((belief.position(0)[1] - 0.8).abs() < 1e-15);
+    belief.observe(&model, Viewpoint(0), &[Some(Label(1))]).unwrap();
+    assert!((belief.position(Position(0))[1] - 0.8).abs() < 1e-15);
     // 0.8 (0.5 + 0.5 * 0.8) against 0.2 (0.5 + 0.5 * 0.2).
-    belief.observe(&model, 0, &[Some(1)]).unwrap();
-    assert!((belief.position(0)[1] - 0.72 / 0.84).abs() < 1e-15);
+    belief.observe(&model, Viewpoint(0), &[Some(Label(1))]).unwrap();
+    assert!((belief.position(Position(0))[1] - 0.72 / 0.84).abs() < 1e-15);
 }
 
 #[test]
@@ -216,10 +223,14 @@ fn impossible_label_leaves_the_belief_unchanged() {
     let mut belief = Belief::from_rows(&model, &rows).unwrap();
     let before = belief.clone();
     // Elongated at position 2 is never seen as standard from p3.
-    let error = belief.observe(&model, 2, &[Some(0), Some(3)]).unwrap_err();
+    let error = belief.observe(&model, Viewpoint(2), &[Some(Label(0)), Some(Label(3))]).unwrap_err();
     assert_eq!(
         error,
-        Error::ImpossibleObservation { position: 1, viewpoint: "p3".into(), label: "standard".into() }
+        Error::ImpossibleObservation {
+            position: Position(1),
+            viewpoint: "p3".into(),
+            label: "standard".into()
+        }
     );
     assert_eq!(belief, before);
 }

@@ -3,6 +3,7 @@
 //! Positions are independent, so `H * L` entries describe all `L^H` outcomes.
 
 use super::look::{Look, value};
+use crate::index::Viewpoint;
 use crate::one_object::{OneObjectPolicy, dot};
 use crate::remaining::Remaining;
 
@@ -29,7 +30,7 @@ impl Foresight {
         &mut self,
         policy: &OneObjectPolicy,
         looks: impl DoubleEndedIterator<Item = &'a Look> + Clone,
-        viewpoint: usize,
+        viewpoint: Viewpoint,
         unseen: Remaining,
     ) {
         (self.groups, self.group) = (policy.group_count(), policy.group(viewpoint));

@@ -2,19 +2,10 @@
 //! makes of it. Nothing here depends on other objects.
 
 use crate::belief::{Belief, entropy, information, most_likely};
+use crate::index::{Class, Label, Viewpoint};
+pub(crate) use crate::model::Look as Sighting;
 use crate::model::SortingModel;
-use crate::one_object::{OneObjectPolicy, Weighed};
-
-/// A look at an object at a position from a viewpoint.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Sighting {
-    /// Belt position of the object.
-    pub(crate) position: usize,
-    /// Where the camera stands.
-    pub(crate) viewpoint: usize,
-    /// The label that it gave from there before, if the model can repeat it.
-    pub(crate) last: Option<usize>,
-}
+use crate::one_object::{OneObjectPolicy, Turn, Weighed};
 
 /// What a look may tell. The buffers are reused.
 #[derive(Debug, Default)]
@@ -26,7 +17,7 @@ pub(crate) struct Look {
     /// Entry `z * L + c`.
     posteriors: Vec<f64>,
     /// The most likely class after each label, and its probability.
-    most_likely: Vec<(usize, f64)>,
+    most_likely: Vec<(Class, f64)>,
     /// What is left to learn after each label, where learning is rewarded, and 0 elsewhere.
     entropies: Vec<f64>,
     /// What the look is expected to tell, where learning is rewarded.
@@ -45,17 +36,17 @@ impl Look {
         model: &SortingModel,
         policy: &OneObjectPolicy,
         distribution: &[f64],
-        (Sighting { position, viewpoint, last }, ends): (Sighting, bool),
+        (sighting, ends): (Sighting, bool),
         weighed: &mut Weighed,
         known: impl Fn(usize) -> Option<(&'a Self, usize)>,
     ) {
         self.clear(model, policy);
         let rewarded = model.spec().information_gain > 0.0;
-        let told = || information(model, distribution, position, viewpoint, last);
+        let told = || information(model, distribution, sighting);
         self.information = if rewarded { told() } else { 0.0 };
-        let behind = model.position_count() - 1 - position;
+        let behind = model.position_count() - 1 - sighting.position.0;
         for z in 0..self.classes {
-            self.outcome(distribution, model.likelihoods(position, viewpoint, last, z));
+            self.outcome(distribution, model.likelihoods(sighting, Label(z)));
             self.entropies.push(if rewarded { entropy(self.posterior(z)) } else { 0.0 });
             let known = known(z);
             for group in 0..self.groups {
@@ -63,7 +54,7 @@ impl Look {
                     self.plans.extend(look.plans(label, group));
                 } else if self.probabilities[z] > 0.0 {
                     let posterior = &self.posteriors[z * self.classes..];
-                    policy.candidates((group, behind, ends), posterior, &mut self.plans, weighed);
+                    policy.candidates(Turn { group, behind, ends }, posterior, &mut self.plans, weighed);
                 }
                 self.ends.push(self.plans.len());
             }
@@ -86,7 +77,8 @@ impl Look {
             self.most_likely.push(most_likely(distribution));
             let behind = (model.position_count() - 1).saturating_sub(position);
             for group in 0..self.groups {
-                policy.candidates((group, behind, ends), distribution, &mut self.plans, &mut weighed);
+                let turn = Turn { group, behind, ends };
+                policy.candidates(turn, distribution, &mut self.plans, &mut weighed);
                 self.ends.push(self.plans.len());
             }
         }
@@ -131,7 +123,7 @@ impl Look {
 
     /// The most likely class after a label, and its probability.
     #[inline(always)]
-    pub(crate) fn most_likely(&self, label: usize) -> (usize, f64) {
+    pub(crate) fn most_likely(&self, label: usize) -> (Class, f64) {
         self.most_likely[label]
     }
 
@@ -181,16 +173,15 @@ pub(crate) fn looks(
     model: &SortingModel,
     policy: &OneObjectPolicy,
     belief: &Belief,
-    viewpoint: usize,
+    viewpoint: Viewpoint,
 ) -> Vec<Look> {
     let ends = belief.horizon().ends();
     let mut weighed = Weighed::default();
-    let look = |(position, distribution): (usize, &[f64])| {
+    let look = |(position, distribution)| {
         let mut look = Look::default();
-        let last = belief.memory().last(model, position, viewpoint);
-        let sighting = Sighting { position, viewpoint, last };
+        let sighting = belief.look(model, position, viewpoint);
         look.take(model, policy, distribution, (sighting, ends), &mut weighed, |_| None);
         look
     };
-    belief.visible().chunks_exact(model.class_count()).enumerate().map(look).collect()
+    model.positions().zip(belief.visible().chunks_exact(model.class_count())).map(look).collect()
 }

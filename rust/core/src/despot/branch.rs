@@ -5,6 +5,7 @@ use super::objects::Objects;
 use super::scan::Scan;
 use super::shortfall::Prospect;
 use crate::bounds::{self, Foresight, Look};
+use crate::index::{Label, Position};
 use crate::one_object::dot;
 use crate::planes;
 use crate::remaining::Remaining;
@@ -57,7 +58,7 @@ impl Brancher {
         self.foresight.take(&despot.default_policy, looks.clone(), scan.viewpoint, unseen);
         self.points.clear();
         self.uppers.clear();
-        for (position, object) in objects.iter().enumerate() {
+        for (position, object) in (0..).map(Position).zip(objects) {
             self.points.push(scan.look(known.sightings.sighting(*object, position, scan.viewpoint)));
         }
         let upper = bounds::upper_knowing(model, scan.viewpoint, scan.remaining);
@@ -113,11 +114,12 @@ impl Brancher {
     /// Take the label at hand of one position; whether any scenario gives it.
     #[inline(always)]
     fn enter(&mut self, despot: &Despot, known: Objects<'_>, at: LookPoint) -> bool {
-        let (j, z) = (at.position, self.labels[at.position]);
+        let j = at.look.position.0;
+        let z = self.labels[j];
         let (words, g) = (self.planes.len() / self.probabilities.len(), despot.default_policy.group_count());
         let probability = self.probabilities[j + 1] * self.foresight.probability(j, z);
         let (here, behind) = self.planes.split_at_mut((j + 1) * words);
-        let given = known.label(at, z);
+        let given = known.label(at, Label(z));
         if probability <= 0.0 || !planes::intersect(&behind[..words], given, &mut here[j * words..]) {
             return false;
         }

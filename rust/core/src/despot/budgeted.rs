@@ -3,6 +3,7 @@
 use super::{Budget, Despot};
 use crate::belief::Belief;
 use crate::error::Result;
+use crate::index::Viewpoint;
 use crate::model::Action;
 use crate::policy::Policy;
 
@@ -16,7 +17,7 @@ pub struct BudgetedDespot {
 }
 
 impl Policy for BudgetedDespot {
-    fn act(&self, belief: &Belief, viewpoint: usize) -> Result<Action> {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         Ok(self.despot.plan(belief, viewpoint, self.budget)?.action)
     }
 }

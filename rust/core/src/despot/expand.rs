@@ -7,6 +7,7 @@ use super::scan::Scan;
 use super::shortfall::left_to_learn;
 use super::sightings::act;
 use crate::bounds::{self, Sighting};
+use crate::index::{Position, Viewpoint};
 use crate::model::Action;
 use crate::tree::{Child, Node, Object, Values, seen};
 
@@ -70,7 +71,8 @@ impl Run<'_> {
     fn arrive(&mut self) {
         let Self { node, scan, despot, known, .. } = self;
         let Some(scan) = scan else { return };
-        for ((position, object), z) in node.objects.iter().enumerate().zip(seen(&despot.model, node.labels)) {
+        let objects = (0..).map(Position).zip(&node.objects);
+        for ((position, object), z) in objects.zip(seen(&despot.model, node.labels)) {
             let last = known.sightings.label_before(*object);
             let look = scan.look(Sighting { position, viewpoint: scan.viewpoint, last });
             let plane = known.label(look, z);
@@ -86,8 +88,8 @@ impl Run<'_> {
         let Self { node, despot, known, scratch: Scratch { advanced: (objects, worth), brancher }, .. } =
             self;
         let model = &despot.model;
-        let (label, p_right) = known.most_likely(node.objects[0]);
-        let action = Action::Decide(label);
+        let (class, p_right) = known.most_likely(node.objects[0]);
+        let action = Action::Decide(class);
         objects.clone_from(&node.objects);
         let scan = act(model, (node, action), objects);
         let reward = model.decision_reward(p_right);
@@ -114,7 +116,7 @@ impl Run<'_> {
 
     /// Move and scan.
     #[inline(always)]
-    fn move_to(&mut self, to: usize) {
+    fn move_to(&mut self, to: Viewpoint) {
         let Self { node, despot, known, scratch: Scratch { brancher, .. }, .. } = self;
         let scan =
             Scan { depth: node.depth, decisions: node.decisions, viewpoint: to, remaining: node.remaining };

@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use super::sightings::{act, at_root};
 use super::workspace::Workspace;
+use crate::index::{Label, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::planes;
 use crate::tree::{Child, Edge, Node, Object, Values, indices, seen};
@@ -11,7 +12,7 @@ use crate::tree::{Child, Edge, Node, Object, Values, indices, seen};
 #[derive(Debug, Clone, PartialEq)]
 pub struct TreeNode {
     /// Where the camera stands.
-    pub viewpoint: usize,
+    pub viewpoint: Viewpoint,
     /// Exact belief, one distribution per position.
     pub belief: Vec<Vec<f64>>,
     /// Estimated value.
@@ -47,7 +48,7 @@ pub struct TreeBranch {
     /// Its probability.
     pub probability: f64,
     /// The labels seen, one per position; `None` if the action brings no scan.
-    pub labels: Option<Vec<usize>>,
+    pub labels: Option<Vec<Label>>,
     /// The belief after it.
     pub node: TreeNode,
 }
@@ -72,7 +73,7 @@ impl View<'_> {
     /// A child at a depth, with the viewpoint.
     fn node(
         &self,
-        (child, at, viewpoint): (&Child, usize, usize),
+        (child, at, viewpoint): (&Child, usize, Viewpoint),
         objects: &[Object],
         depth: usize,
     ) -> TreeNode {

@@ -3,6 +3,7 @@
 use super::Despot;
 use super::expand::Expansion;
 use super::sightings::{act, at_root};
+use crate::index::Viewpoint;
 use crate::model::Action;
 use crate::planes;
 use crate::remaining::Remaining;
@@ -40,7 +41,7 @@ pub(crate) struct Frontier {
 
 impl Frontier {
     /// Forget the last tree.
-    pub(super) fn restart(&mut self, root: Child, viewpoint: usize, remaining: Remaining) {
+    pub(super) fn restart(&mut self, root: Child, viewpoint: Viewpoint, remaining: Remaining) {
         self.spare.extend(self.tree.nodes.drain(..).rev());
         (self.tree.root, self.tree.viewpoint, self.tree.remaining) = (root, viewpoint, remaining);
         self.tally = Tally { nodes: 1, ..Tally::default() };

@@ -7,7 +7,7 @@
 use rand::RngExt;
 use rustc_hash::FxHashMap;
 
-use crate::model::SortingModel;
+use crate::model::{Look, SortingModel};
 use crate::sampling::{Purpose, stream};
 use crate::tree::{Object, id};
 
@@ -61,12 +61,12 @@ impl Histories {
         self.same[(look - 1) * self.classes + label]
     }
 
-    /// Know the objects after the labels of the next look, which is at this object.
-    pub(super) fn add(&mut self, object: Object, (look, position, viewpoint): (usize, usize, usize)) {
+    /// Know the objects after the labels of the next look, by its number, which is at this object.
+    pub(super) fn add(&mut self, object: Object, number: usize, Look { position, viewpoint, .. }: Look) {
         let before = self.keys[self.number(object)];
-        let mark = self.origins + (position * self.viewpoints + viewpoint) * self.classes;
+        let mark = self.origins + (position.0 * self.viewpoints + viewpoint.0) * self.classes;
         for label in 0..self.classes {
-            let own = Object { look: id(look), label: id(label) };
+            let own = Object { look: id(number), label: id(label) };
             let key = before.wrapping_add(self.marks[mark + label]);
             self.keys.push(key);
             self.same.push(if self.ordered { own } else { *self.first.entry(key).or_insert(own) });
@@ -77,6 +77,7 @@ impl Histories {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::index::{Position, Viewpoint};
     use crate::model::ScalarOrMatrix;
     use crate::testing::paper;
 
@@ -90,7 +91,7 @@ mod tests {
         let mut object = Object { look: 0, label: id(origin) };
         for (position, viewpoint, label) in seen {
             *looks += 1;
-            histories.add(object, (*looks, *position, *viewpoint));
+            histories.add(object, *looks, Look::first(Position(*position), Viewpoint(*viewpoint)));
             object = histories.after(*looks, *label);
         }
         object

@@ -6,6 +6,7 @@ use super::Despot;
 use super::sightings::Sightings;
 use crate::belief::Belief;
 use crate::bounds::Look;
+use crate::index::{Class, Label, Position, Viewpoint};
 use crate::model::SortingModel;
 use crate::one_object::{OneObjectPolicy, Weighed};
 use crate::remaining::Remaining;
@@ -94,16 +95,16 @@ impl<'a> Objects<'a> {
     pub(super) fn looks(
         self,
         objects: &'a [Object],
-        viewpoint: usize,
+        viewpoint: Viewpoint,
     ) -> impl DoubleEndedIterator<Item = &'a Look> + Clone {
-        objects.iter().enumerate().map(move |(position, object)| {
+        (0..objects.len()).map(Position).zip(objects).map(move |(position, object)| {
             &self.findings.looks[self.sightings.look(*object, (position, viewpoint))]
         })
     }
 
     /// The scenarios in which a look gives a label.
     #[inline(always)]
-    pub(super) fn label(self, at: LookPoint, label: usize) -> &'a [u64] {
+    pub(super) fn label(self, at: LookPoint, label: Label) -> &'a [u64] {
         self.findings.labels.label(at, label)
     }
 
@@ -120,7 +121,7 @@ impl<'a> Objects<'a> {
         self,
         policy: &OneObjectPolicy,
         (objects, unseen): (&[Object], Remaining),
-        viewpoint: usize,
+        viewpoint: Viewpoint,
         worth: &mut Vec<f64>,
     ) -> f64 {
         let groups = policy.group_count();
@@ -141,7 +142,7 @@ impl<'a> Objects<'a> {
 
     /// The most likely class of an object, and its probability.
     #[inline(always)]
-    pub(super) fn most_likely(self, object: Object) -> (usize, f64) {
+    pub(super) fn most_likely(self, object: Object) -> (Class, f64) {
         self.findings.looks[object.look as usize].most_likely(object.label as usize)
     }
 }

@@ -7,6 +7,7 @@ use super::Despot;
 use super::search::Search;
 use super::workspace::Lease;
 use crate::bounds;
+use crate::index::{Class, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 use crate::tree::Edge;
@@ -55,7 +56,11 @@ impl PartialEq for Plan {
 
 impl Despot {
     /// Upper bound of V*. It is no part of the search, but of the time that a plan takes.
-    pub(super) fn certified_upper(&self, (belief, remaining): (&[f64], Remaining), viewpoint: usize) -> f64 {
+    pub(super) fn certified_upper(
+        &self,
+        (belief, remaining): (&[f64], Remaining),
+        viewpoint: Viewpoint,
+    ) -> f64 {
         let closed = bounds::upper(&self.model, (belief, remaining), viewpoint);
         let endless = self.certificate.as_ref().filter(|_| remaining == Remaining::ENDLESS);
         let grid = endless.map(|grid| grid.at(&self.model, belief, viewpoint));
@@ -117,11 +122,10 @@ impl Search<'_> {
     }
 
     /// Value of each decision: they differ from the best one in their immediate reward only.
-    fn decisions(&self, best: usize, value: f64) -> impl Iterator<Item = (Action, f64)> + '_ {
+    fn decisions(&self, best: Class, value: f64) -> impl Iterator<Item = (Action, f64)> + '_ {
         let model = &self.despot.model;
         let belief = &self.space.root;
-        let reward = |label: usize| model.decision_reward(belief[label]);
-        (0..model.class_count())
-            .map(move |label| (Action::Decide(label), value + reward(label) - reward(best)))
+        let reward = |class: Class| model.decision_reward(belief[class.0]);
+        model.classes().map(move |class| (Action::Decide(class), value + reward(class) - reward(best)))
     }
 }

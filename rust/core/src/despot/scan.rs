@@ -1,6 +1,7 @@
 //! Where in the scenarios the scan is that an action brings.
 
 use crate::bounds::Sighting;
+use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 use crate::scenario::LookPoint;
@@ -14,7 +15,7 @@ pub(super) struct Scan {
     /// Decisions before it.
     pub decisions: usize,
     /// Where the camera stands.
-    pub viewpoint: usize,
+    pub viewpoint: Viewpoint,
     /// Objects left to decide.
     pub remaining: Remaining,
 }
@@ -34,7 +35,7 @@ impl Scan {
 
     /// One of its looks.
     #[inline(always)]
-    pub(super) fn look(&self, Sighting { position, viewpoint, last }: Sighting) -> LookPoint {
-        LookPoint { depth: self.depth, decisions: self.decisions, viewpoint, position, last }
+    pub(super) fn look(&self, look: Sighting) -> LookPoint {
+        LookPoint { depth: self.depth, decisions: self.decisions, look }
     }
 }

@@ -10,6 +10,7 @@ use super::stopping::Clock;
 use super::workspace::{Lease, Workspace};
 use crate::belief::Belief;
 use crate::bounds;
+use crate::index::Viewpoint;
 use crate::tree::{Child, Place};
 
 /// Expansions that are worth waking another thread for, and those done by one task.
@@ -29,7 +30,7 @@ pub(super) struct Search<'a> {
 
 impl Search<'_> {
     /// Search until the budget is spent, or nothing is left to find.
-    pub(super) fn run(&mut self, belief: &Belief, viewpoint: usize) {
+    pub(super) fn run(&mut self, belief: &Belief, viewpoint: Viewpoint) {
         self.begin(belief, viewpoint);
         self.clock.begin();
         self.go_on();
@@ -43,7 +44,7 @@ impl Search<'_> {
 
     /// The root, expanded whatever the budget says; on a belt that ends also the belief after a decision. There leaves are
     /// valued without a shortfall, and one that no scan leads to would be underrated beside those behind a scan.
-    fn begin(&mut self, belief: &Belief, viewpoint: usize) {
+    fn begin(&mut self, belief: &Belief, viewpoint: Viewpoint) {
         let Despot { model, default_policy, randoms, .. } = self.despot;
         let (known, remaining) = (belief.known(), belief.horizon());
         let lower = bounds::lower(model, default_policy, known, viewpoint);

@@ -14,6 +14,7 @@ use rand::RngExt;
 
 use crate::belief::{Belief, entropy};
 use crate::bounds::{self, Foresight, Look};
+use crate::index::{Label, Position, Viewpoint};
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
 use crate::remaining::Remaining;
@@ -109,7 +110,7 @@ struct Walk<'a> {
     policy: &'a OneObjectPolicy,
     rng: rand_chacha::ChaCha8Rng,
     belief: Belief,
-    viewpoint: usize,
+    viewpoint: Viewpoint,
     /// One per action.
     scans: Vec<Foresight>,
 }
@@ -121,7 +122,7 @@ impl<'a> Walk<'a> {
             policy,
             rng: stream(0, Purpose::Walk, u64::from(u32::MAX)),
             belief: Belief::new(model),
-            viewpoint: 0,
+            viewpoint: Viewpoint(0),
             scans: (0..=model.viewpoint_count()).map(|_| Foresight::default()).collect(),
         }
     }
@@ -159,9 +160,9 @@ impl<'a> Walk<'a> {
     }
 
     fn observe(&mut self, action: usize) {
-        for j in 0..self.model.position_count() {
-            let probabilities = self.scans[action].probabilities_of(j);
-            let label = invert(probabilities.iter().copied(), self.rng.random::<f64>());
+        for j in self.model.positions() {
+            let probabilities = self.scans[action].probabilities_of(j.0);
+            let label = Label(invert(probabilities.iter().copied(), self.rng.random::<f64>()));
             // It was drawn, so it is possible.
             let _ = self.belief.observe_one(self.model, j, self.viewpoint, label);
         }
@@ -172,7 +173,7 @@ impl<'a> Walk<'a> {
         let (model, viewpoint, belief) = (self.model, self.viewpoint, self.belief.clone());
         let mut advanced = belief.clone();
         advanced.advance(model);
-        let reward = model.decision_reward(belief.most_likely(0).1);
+        let reward = model.decision_reward(belief.most_likely(Position(0)).1);
         let mut actions = vec![if model.observes_after_decision() {
             let (bonus, next) = self.scanned(0, viewpoint, &advanced);
             (reward + bonus, next)
@@ -187,7 +188,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The bonus of a scan, and what is expected to be promised after it.
-    fn scanned(&mut self, action: usize, viewpoint: usize, belief: &Belief) -> (f64, Prospect) {
+    fn scanned(&mut self, action: usize, viewpoint: Viewpoint, belief: &Belief) -> (f64, Prospect) {
         let looks = bounds::looks(self.model, self.policy, belief, viewpoint);
         let bonus = self.model.spec().information_gain * looks.iter().map(Look::information).sum::<f64>();
         let scan = &mut self.scans[action];

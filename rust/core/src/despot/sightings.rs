@@ -8,6 +8,7 @@ use super::histories::Histories;
 use super::scan::Scan;
 use crate::belief::{Belief, Memory};
 use crate::bounds::Sighting;
+use crate::index::{Label, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 use crate::tree::{Node, Object, id, seen};
@@ -77,14 +78,14 @@ impl Sightings {
 
     /// The objects after a scan, given the code of its labels.
     pub(super) fn see(&self, model: &SortingModel, scan: &Scan, labels: u64, objects: &mut [Object]) {
-        for ((position, label), object) in seen(model, labels).enumerate().zip(objects) {
+        for ((position, label), object) in model.positions().zip(seen(model, labels)).zip(objects) {
             *object = self.after(*object, (position, scan.viewpoint), label);
         }
     }
 
     /// Have the looks that a scan takes.
-    pub(super) fn require(&mut self, model: &SortingModel, objects: &[Object], viewpoint: usize) {
-        for (position, object) in objects.iter().enumerate() {
+    pub(super) fn require(&mut self, model: &SortingModel, objects: &[Object], viewpoint: Viewpoint) {
+        for (position, object) in model.positions().zip(objects) {
             let at = self.at(*object, position);
             if self.rows[at] == ABSENT {
                 self.rows[at] = id(self.index.len() / self.viewpoints);
@@ -95,7 +96,7 @@ impl Sightings {
                 let last = self.last_label(model, *object, position, viewpoint);
                 self.taken.push((*object, Sighting { position, viewpoint, last }));
                 self.index[key] = id(self.taken.len());
-                self.histories.add(*object, (self.taken.len(), position, viewpoint));
+                self.histories.add(*object, self.taken.len(), Sighting { position, viewpoint, last });
                 self.rows.resize(self.rows.len() + self.classes * self.positions, ABSENT);
             }
         }
@@ -111,10 +112,10 @@ impl Sightings {
     pub(super) fn after(
         &self,
         object: Object,
-        (position, viewpoint): (usize, usize),
-        label: usize,
+        (position, viewpoint): (Position, Viewpoint),
+        label: Label,
     ) -> Object {
-        self.after_look(self.look(object, (position, viewpoint)), label)
+        self.after_look(self.look(object, (position, viewpoint)), label.0)
     }
 
     /// The same, given the look's number.
@@ -125,20 +126,20 @@ impl Sightings {
 
     /// Number of a look that has been required.
     #[inline(always)]
-    pub(super) fn look(&self, object: Object, (position, viewpoint): (usize, usize)) -> usize {
+    pub(super) fn look(&self, object: Object, (position, viewpoint): (Position, Viewpoint)) -> usize {
         self.index[self.key(object, position, viewpoint)] as usize
     }
 
     /// How a look of a scan sees its object.
     #[inline(always)]
-    pub(super) fn sighting(&self, object: Object, position: usize, viewpoint: usize) -> Sighting {
+    pub(super) fn sighting(&self, object: Object, position: Position, viewpoint: Viewpoint) -> Sighting {
         self.taken[self.look(object, (position, viewpoint)) - 1].1
     }
 
     /// The label that an object had given from the same viewpoint before its last one, if the model can repeat it; the
     /// object is no first one.
     #[inline(always)]
-    pub(super) fn label_before(&self, object: Object) -> Option<usize> {
+    pub(super) fn label_before(&self, object: Object) -> Option<Label> {
         self.taken[object.look as usize - 1].1.last
     }
 
@@ -147,9 +148,9 @@ impl Sightings {
         &self,
         model: &SortingModel,
         mut object: Object,
-        position: usize,
-        viewpoint: usize,
-    ) -> Option<usize> {
+        position: Position,
+        viewpoint: Viewpoint,
+    ) -> Option<Label> {
         if model.repeat(position, viewpoint) == 0.0 {
             return None;
         }
@@ -159,22 +160,22 @@ impl Sightings {
                 return None;
             }
             if sighting.viewpoint == viewpoint {
-                return Some(object.label as usize);
+                return Some(Label(object.label as usize));
             }
             object = before;
         }
-        let still_there = object.label as usize == position;
+        let still_there = object.label as usize == position.0;
         still_there.then(|| self.memory.last(model, position, viewpoint)).flatten()
     }
 
     /// Where a look at an object that has a row is indexed.
     #[inline(always)]
-    fn key(&self, object: Object, position: usize, viewpoint: usize) -> usize {
-        self.rows[self.at(object, position)] as usize * self.viewpoints + viewpoint
+    fn key(&self, object: Object, position: Position, viewpoint: Viewpoint) -> usize {
+        self.rows[self.at(object, position)] as usize * self.viewpoints + viewpoint.0
     }
 
     #[inline(always)]
-    fn at(&self, object: Object, position: usize) -> usize {
-        self.histories.number(object) * self.positions + position
+    fn at(&self, object: Object, position: Position) -> usize {
+        self.histories.number(object) * self.positions + position.0
     }
 }

@@ -3,6 +3,7 @@ use proptest::prelude::*;
 use super::scan::Scan;
 use super::*;
 use crate::bounds::{self, Foresight, Sighting};
+use crate::index::{Class, Label, Position};
 use crate::model::{Action, ModelSpec};
 use crate::scenario::LabelPlanes;
 use crate::testing::{
@@ -27,12 +28,12 @@ struct Place {
     scenarios: Vec<usize>,
     depth: usize,
     decisions: usize,
-    viewpoint: usize,
+    viewpoint: Viewpoint,
     mass: f64,
 }
 
 impl BruteForce<'_> {
-    fn optimum(despot: &Despot, belief: &Belief, viewpoint: usize) -> f64 {
+    fn optimum(despot: &Despot, belief: &Belief, viewpoint: Viewpoint) -> f64 {
         let mut labels = LabelPlanes::default();
         despot.randoms.reach(despot.depth, false);
         labels.restart(&despot.model, &despot.randoms, belief.as_slice());
@@ -60,7 +61,7 @@ impl BruteForce<'_> {
         } else {
             (0.0, self.value(&next, BruteForce::default_value(self.despot, &next)))
         };
-        let decided = model.decision_reward(at.belief.most_likely(0).1) + bonus - price;
+        let decided = model.decision_reward(at.belief.most_likely(Position(0)).1) + bonus - price;
         let mut best = default.max(decided + model.discount() * after);
         for &to in model.legal_moves(at.viewpoint) {
             let step = at.belief.bonus(model, to) - model.motion_cost(at.viewpoint, to) - price;
@@ -79,7 +80,7 @@ impl BruteForce<'_> {
         scan.take(default_policy, looks.iter(), at.viewpoint, unseen);
         let mut value = 0.0;
         for z in all_labels(model, looks.len()) {
-            let p: f64 = z.iter().enumerate().map(|(j, z)| scan.probability(j, *z)).product();
+            let p: f64 = z.iter().enumerate().map(|(j, z)| scan.probability(j, z.0)).product();
             if p == 0.0 {
                 continue;
             }
@@ -94,12 +95,12 @@ impl BruteForce<'_> {
     }
 
     /// The scenarios that give these labels to the scan that has led to `at`.
-    fn through(&mut self, at: &Place, labels: &[usize]) -> Vec<usize> {
+    fn through(&mut self, at: &Place, labels: &[Label]) -> Vec<usize> {
         let Despot { model, randoms, .. } = self.despot;
         let remaining = at.belief.horizon();
         let scan = Scan { depth: at.depth - 1, decisions: at.decisions, viewpoint: at.viewpoint, remaining };
         let mut scenarios = at.scenarios.clone();
-        for (position, &z) in labels.iter().enumerate() {
+        for (position, &z) in model.positions().zip(labels) {
             let last = at.belief.last_label(model, position, at.viewpoint);
             let look = scan.look(Sighting { position, viewpoint: at.viewpoint, last });
             self.labels.require(model, randoms, std::iter::once(look), false);
@@ -109,6 +110,9 @@ impl BruteForce<'_> {
         scenarios
     }
 }
+
+/// Where the camera stands at first.
+const START: Viewpoint = Viewpoint(0);
 
 fn config(scenarios: usize, regularization: f64, depth: usize) -> DespotConfig {
     DespotConfig { scenarios, seed: 3, regularization, depth: Some(depth) }
@@ -134,17 +138,17 @@ proptest! {
         let lambda = if regularized { 0.3 } else { 0.0 };
         let despot = Despot::new(&model, config(scenarios, lambda, 5)).unwrap();
         let belief = Belief::new(&model).with_remaining(remaining);
-        let optimum = BruteForce::optimum(&despot, &belief, 0);
+        let optimum = BruteForce::optimum(&despot, &belief, START);
         let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
         for trials in [1, 2, 5, 20, 100, 100_000] {
-            let plan = despot.plan(&belief, 0, Budget::Trials(trials)).unwrap();
+            let plan = despot.plan(&belief, START, Budget::Trials(trials)).unwrap();
             prop_assert!(plan.lower <= optimum + 1e-9, "lower {} above {optimum}", plan.lower);
             prop_assert!(plan.upper >= optimum - 1e-9, "upper {} below {optimum}", plan.upper);
             prop_assert!(plan.lower >= lower - 1e-9 && plan.upper <= upper + 1e-9, "bounds never loosen");
             (lower, upper) = (plan.lower, plan.upper);
         }
         prop_assert!(upper - lower < 1e-6, "not solved: [{lower}, {upper}]");
-        let tree = &despot.plan(&belief, 0, Budget::Trials(100_000)).unwrap().space.frontier.tree;
+        let tree = &despot.plan(&belief, START, Budget::Trials(100_000)).unwrap().space.frontier.tree;
         for (index, node) in tree.nodes.iter().enumerate() {
             prop_assert_eq!(tree.child(node.place).node, Some(id(index)), "expanded twice");
         }
@@ -158,10 +162,10 @@ proptest! {
         remaining in belts(),
     ) {
         let belief = belief_of(&model, &weights).with_remaining(remaining);
-        let (at_least, at_most) = enumerated_value(&model, &belief, 0, 5);
+        let (at_least, at_most) = enumerated_value(&model, &belief, START, 5);
         let despot = Despot::new(&model, config(3, 0.0, 50)).unwrap();
         for trials in [1, 10, 100] {
-            let plan = despot.plan(&belief, 0, Budget::Trials(trials)).unwrap();
+            let plan = despot.plan(&belief, START, Budget::Trials(trials)).unwrap();
             prop_assert!(plan.certified_lower.is_none_or(|lower| lower <= at_most + 1e-9));
             prop_assert!(plan.certified_upper >= at_least - 1e-9);
         }
@@ -181,7 +185,7 @@ proptest! {
         let despot = Despot::new(&tiny.model, config(scenarios, lambda, 50)).unwrap();
         for belief in [Belief::new(&tiny.model), belief_of(&tiny.model, &weights)] {
             let belief = belief.with_remaining(remaining);
-            for (viewpoint, (at_least, at_most)) in exact.bounds(&belief).into_iter().enumerate() {
+            for (viewpoint, (at_least, at_most)) in tiny.model.viewpoints().zip(exact.bounds(&belief)) {
                 for trials in [1, 10, 100] {
                     let plan = despot.plan(&belief, viewpoint, Budget::Trials(trials)).unwrap();
                     let (lower, upper) = (plan.certified_lower.unwrap(), plan.certified_upper);
@@ -202,7 +206,7 @@ proptest! {
         let model = SortingModel::new(spec).unwrap();
         let despot = Despot::new(&model, DespotConfig { scenarios: 50, ..DespotConfig::default() }).unwrap();
         let belief = Belief::new(&model).with_remaining(remaining);
-        let plan = despot.plan(&belief, 0, Budget::Trials(20)).unwrap();
+        let plan = despot.plan(&belief, START, Budget::Trials(20)).unwrap();
         prop_assert!(plan.certified_lower.unwrap() <= plan.certified_upper);
         let best = plan.values.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
         let chosen = plan.values.iter().find(|(action, _)| *action == plan.action).unwrap().1;
@@ -217,9 +221,9 @@ fn plans_do_not_depend_on_threads_or_repetition() {
     let belief = Belief::new(despot.model());
     let plan = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| despot.plan_in_parallel(&belief, 0, Budget::Trials(1000)).unwrap())
+        pool.install(|| despot.plan_in_parallel(&belief, START, Budget::Trials(1000)).unwrap())
     };
-    let alone = despot.plan(&belief, 0, Budget::Trials(1000)).unwrap();
+    let alone = despot.plan(&belief, START, Budget::Trials(1000)).unwrap();
     for threads in [1, 2, 4, 8, 2] {
         assert_eq!(plan(threads), alone);
     }
@@ -232,7 +236,7 @@ fn only_legal_actions_are_planned() {
     let model = SortingModel::new(spec).unwrap();
     let despot = Despot::new(&model, DespotConfig::default()).unwrap();
     let belief = Belief::new(&model);
-    for viewpoint in 0..3 {
+    for viewpoint in model.viewpoints() {
         let plan = despot.plan(&belief, viewpoint, Budget::Trials(20)).unwrap();
         let moves: Vec<_> = plan
             .values
@@ -249,8 +253,8 @@ fn a_certain_object_is_decided_and_an_unknown_one_looked_at() {
     let despot = Despot::new(&paper(50.0), DespotConfig::default()).unwrap();
     let certain = vec![vec![0.0, 0.0, 1.0, 0.0], vec![0.25; 4]];
     let belief = Belief::from_rows(despot.model(), &certain).unwrap();
-    assert_eq!(despot.plan(&belief, 0, Budget::Trials(10)).unwrap().action, Action::Decide(2));
-    let unknown = despot.plan(&Belief::new(despot.model()), 0, Budget::Trials(10)).unwrap().action;
+    assert_eq!(despot.plan(&belief, START, Budget::Trials(10)).unwrap().action, Action::Decide(Class(2)));
+    let unknown = despot.plan(&Belief::new(despot.model()), START, Budget::Trials(10)).unwrap().action;
     assert!(matches!(unknown, Action::Move(_)));
 }
 
@@ -259,7 +263,7 @@ fn a_far_end_of_the_belt_changes_nothing_and_a_near_one_the_value() {
     let despot = Despot::new(&paper(50.0), DespotConfig::default()).unwrap();
     let lower = |remaining| {
         let belief = Belief::new(despot.model()).with_remaining(remaining);
-        despot.plan(&belief, 0, Budget::Trials(50)).unwrap().certified_lower.unwrap()
+        despot.plan(&belief, START, Budget::Trials(50)).unwrap().certified_lower.unwrap()
     };
     assert!((lower(Some(1000)) - lower(None)).abs() < 1e-3);
     let values: Vec<_> = (1..20).map(|objects| lower(Some(objects))).collect();
@@ -270,8 +274,9 @@ fn a_far_end_of_the_belt_changes_nothing_and_a_near_one_the_value() {
 #[test]
 fn where_nothing_is_left_nothing_is_planned() {
     let despot = Despot::new(&paper(50.0), DespotConfig::default()).unwrap();
-    let error =
-        despot.plan(&Belief::new(despot.model()).with_remaining(Some(0)), 0, Budget::Trials(1)).unwrap_err();
+    let error = despot
+        .plan(&Belief::new(despot.model()).with_remaining(Some(0)), START, Budget::Trials(1))
+        .unwrap_err();
     let error = error.to_string();
     assert!(error.contains("remaining") && error.contains('0'), "{error}");
 }

@@ -9,6 +9,7 @@ use super::frontier::Frontier;
 use super::objects::{Findings, Objects};
 use super::sightings::{Sightings, act};
 use crate::belief::Belief;
+use crate::index::{Class, Position, Viewpoint};
 use crate::model::Action;
 use crate::scenario::LookPoint;
 use crate::tree::Child;
@@ -48,11 +49,11 @@ impl Knowledge {
         points.clear();
         for Expansion { node, .. } in chosen {
             let moves = model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
-            for action in moves.chain([Action::Decide(0)]) {
+            for action in moves.chain([Action::Decide(Class(0))]) {
                 objects.clone_from(&node.objects);
                 let Some(scan) = act(model, (node, action), &mut objects) else { continue };
                 sightings.require(model, &objects, scan.viewpoint);
-                points.extend(objects.iter().enumerate().map(|(position, object)| {
+                points.extend((0..).map(Position).zip(&objects).map(|(position, object)| {
                     scan.look(sightings.sighting(*object, position, scan.viewpoint))
                 }));
             }
@@ -78,7 +79,12 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     /// Forget the last search and start from a root.
-    pub(super) fn restart(&mut self, despot: &Despot, (belief, viewpoint): (&Belief, usize), root: Child) {
+    pub(super) fn restart(
+        &mut self,
+        despot: &Despot,
+        (belief, viewpoint): (&Belief, Viewpoint),
+        root: Child,
+    ) {
         self.root = belief.as_slice().to_vec();
         self.knowledge.sightings.restart(&despot.model, belief);
         self.knowledge.findings.restart(despot, belief);

@@ -1,4 +1,4 @@
-//! What a scan tells: `P(z | j, v, c)`, given what the last scan from there told.
+//! What a look tells: `P(z | j, v, c)`, given what the last look from there told.
 //!
 //! Two looks from one viewpoint at one object that has not moved share pose and view, so they agree far more often
 //! than independence says. With probability `repeat` the second only returns the label of the first:
@@ -6,13 +6,34 @@
 //! `P(z' | z, v, c) = repeat [z' = z] + (1 - repeat) P(z' | v, c)`.
 
 use super::SortingModel;
+use crate::index::{Class, Label, Position, Viewpoint};
+
+/// One look at one object, before its label is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Look {
+    /// Belt position of the object.
+    pub position: Position,
+    /// Where the camera stands.
+    pub viewpoint: Viewpoint,
+    /// The label that the object gave from there before, if the model can repeat it.
+    pub last: Option<Label>,
+}
+
+impl Look {
+    /// A look at an object that has given no label from there.
+    #[must_use]
+    #[inline(always)]
+    pub fn first(position: Position, viewpoint: Viewpoint) -> Self {
+        Self { position, viewpoint, last: None }
+    }
+}
 
 impl SortingModel {
     /// Probability that a second look from `viewpoint` at `position` only repeats its label.
     #[must_use]
     #[inline(always)]
-    pub fn repeat(&self, position: usize, viewpoint: usize) -> f64 {
-        self.repeat[(position, viewpoint)]
+    pub fn repeat(&self, position: Position, viewpoint: Viewpoint) -> f64 {
+        self.repeat[(position.0, viewpoint.0)]
     }
 
     /// Whether any look may repeat an earlier one.
@@ -21,54 +42,35 @@ impl SortingModel {
         self.repeat.iter().any(|repeat| *repeat > 0.0)
     }
 
-    /// `P(label | class)` at a position seen from a viewpoint, `last` being the label that it gave from there before.
+    /// `P(label | class)` of a look.
     #[must_use]
-    pub fn likelihood(
-        &self,
-        position: usize,
-        viewpoint: usize,
-        last: Option<usize>,
-        label: usize,
-        class: usize,
-    ) -> f64 {
-        let (repeated, fresh) = self.mixture(position, viewpoint, last, label);
-        repeated + fresh * self.table(position, viewpoint)[(class, label)]
+    pub fn likelihood(&self, look: Look, label: Label, class: Class) -> f64 {
+        let (repeated, fresh) = self.mixture(look, label);
+        repeated + fresh * self.table(look.position, look.viewpoint)[(class.0, label.0)]
     }
 
     /// The likelihood of `label` for one class after the other.
     #[inline(always)]
-    pub fn likelihoods(
-        &self,
-        position: usize,
-        viewpoint: usize,
-        last: Option<usize>,
-        label: usize,
-    ) -> impl Iterator<Item = f64> + Clone + '_ {
-        let (repeated, fresh) = self.mixture(position, viewpoint, last, label);
+    pub fn likelihoods(&self, look: Look, label: Label) -> impl Iterator<Item = f64> + Clone + '_ {
+        let (repeated, fresh) = self.mixture(look, label);
         let l = self.class_count();
         // Tables lie column by column.
-        let column = &self.table(position, viewpoint).as_slice()[label * l..][..l];
+        let column = &self.table(look.position, look.viewpoint).as_slice()[label.0 * l..][..l];
         column.iter().map(move |p| repeated + fresh * p)
     }
 
     /// The distribution of the label that an object of `class` gives.
-    pub fn label_distribution(
-        &self,
-        position: usize,
-        viewpoint: usize,
-        last: Option<usize>,
-        class: usize,
-    ) -> impl Iterator<Item = f64> + '_ {
-        (0..self.class_count()).map(move |label| self.likelihood(position, viewpoint, last, label, class))
+    pub fn label_distribution(&self, look: Look, class: Class) -> impl Iterator<Item = f64> + '_ {
+        self.labels().map(move |label| self.likelihood(look, label, class))
     }
 
     /// What a label owes to the one before it, and the weight of the table.
     #[inline(always)]
-    fn mixture(&self, position: usize, viewpoint: usize, last: Option<usize>, label: usize) -> (f64, f64) {
-        match last {
+    fn mixture(&self, look: Look, label: Label) -> (f64, f64) {
+        match look.last {
             None => (0.0, 1.0),
             Some(last) => {
-                let repeat = self.repeat(position, viewpoint);
+                let repeat = self.repeat(look.position, look.viewpoint);
                 (if last == label { repeat } else { 0.0 }, 1.0 - repeat)
             }
         }

@@ -8,12 +8,14 @@
 //! * An observation is the label at every position (`z1_z0`), or `nothing` after a decision that no scan follows.
 //! * The start is the arrival prior at every position, the camera at the first viewpoint.
 
+use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::SortingModel;
 use crate::error::{Error, Result, model_error};
+use crate::index::{Class, Label, Viewpoint};
 
 #[cfg(test)]
 mod tests;
@@ -52,8 +54,8 @@ struct Flat<'a> {
 /// The camera's viewpoint (0 if it does not matter) and the class at each position.
 #[derive(Clone)]
 struct State {
-    viewpoint: usize,
-    classes: Vec<usize>,
+    viewpoint: Viewpoint,
+    classes: Vec<Class>,
 }
 
 impl<'a> Flat<'a> {
@@ -74,8 +76,8 @@ impl<'a> Flat<'a> {
 
     fn write(&self, out: &mut impl Write) -> io::Result<()> {
         self.preamble(out)?;
-        (0..self.model.viewpoint_count()).try_for_each(|to| self.motion(out, to))?;
-        (0..self.model.class_count()).try_for_each(|label| self.decision(out, label))
+        self.model.viewpoints().try_for_each(|to| self.motion(out, to))?;
+        self.model.classes().try_for_each(|class| self.decision(out, class))
     }
 
     fn preamble(&self, out: &mut impl Write) -> io::Result<()> {
@@ -87,20 +89,20 @@ impl<'a> Flat<'a> {
         writeln!(out, "discount: {}", number(spec.discount))?;
         writeln!(out, "values: reward")?;
         writeln!(out, "states: {}", joined(self.states().map(|state| self.name(&state))))?;
-        let moves = (0..self.model.viewpoint_count()).map(|v| format!("move_{v}"));
-        let decisions = (0..self.model.class_count()).map(|label| format!("decide_{label}"));
+        let moves = self.model.viewpoints().map(|v| format!("move_{v}"));
+        let decisions = self.model.classes().map(|class| format!("decide_{class}"));
         writeln!(out, "actions: {}", joined(moves.chain(decisions)))?;
         let nothing = (!self.model.observes_after_decision()).then(|| "nothing".to_owned());
-        let labels = (0..self.vectors).map(|z| vector_name('z', &self.vector(z)));
+        let labels = self.label_vectors().map(|labels| vector_name('z', &labels));
         writeln!(out, "observations: {}", joined(labels.chain(nothing)))?;
         writeln!(out, "start: {}", joined(self.states().map(|state| number(self.start(&state)))))
     }
 
-    fn motion(&self, out: &mut impl Write, to: usize) -> io::Result<()> {
+    fn motion(&self, out: &mut impl Write, to: Viewpoint) -> io::Result<()> {
         let action = format!("move_{to}");
         for state in self.states() {
             let mut next = state.clone();
-            next.viewpoint = if self.viewpoints == 1 { 0 } else { to };
+            next.viewpoint = if self.viewpoints == 1 { Viewpoint(0) } else { to };
             let name = self.name(&state);
             writeln!(out, "T: {action} : {name} : {} 1.0", self.name(&next))?;
             writeln!(
@@ -113,21 +115,22 @@ impl<'a> Flat<'a> {
         Ok(())
     }
 
-    fn decision(&self, out: &mut impl Write, label: usize) -> io::Result<()> {
-        let action = format!("decide_{label}");
+    fn decision(&self, out: &mut impl Write, decided: Class) -> io::Result<()> {
+        let action = format!("decide_{decided}");
         let scans = self.model.observes_after_decision();
         if !scans {
             writeln!(out, "O: {action} : * : nothing 1.0")?;
         }
         for state in self.states() {
             let name = self.name(&state);
-            for (class, &p) in self.model.arrival().iter().enumerate().filter(|(_, p)| **p > 0.0) {
+            let arriving = self.model.classes().zip(self.model.arrival());
+            for (class, &p) in arriving.filter(|(_, p)| **p > 0.0) {
                 let mut next = state.clone();
                 next.classes.rotate_left(1);
                 next.classes[state.classes.len() - 1] = class;
                 writeln!(out, "T: {action} : {name} : {} {}", self.name(&next), number(p))?;
             }
-            let right = f64::from(u8::from(state.classes[0] == label));
+            let right = f64::from(u8::from(state.classes[0] == decided));
             writeln!(out, "R: {action} : {name} : * : * {}", number(self.model.decision_reward(right)))?;
             if scans {
                 self.scan(out, &action, &state, state.viewpoint)?;
@@ -137,11 +140,17 @@ impl<'a> Flat<'a> {
     }
 
     /// The labels that a scan from `viewpoint` gives once `action` has led to `state`.
-    fn scan(&self, out: &mut impl Write, action: &str, state: &State, viewpoint: usize) -> io::Result<()> {
+    fn scan(
+        &self,
+        out: &mut impl Write,
+        action: &str,
+        state: &State,
+        viewpoint: Viewpoint,
+    ) -> io::Result<()> {
         let name = self.name(state);
-        for labels in (0..self.vectors).map(|z| self.vector(z)) {
-            let seen = state.classes.iter().zip(&labels).enumerate();
-            let p: f64 = seen.map(|(j, (c, z))| self.model.table(j, viewpoint)[(*c, *z)]).product();
+        for labels in self.label_vectors() {
+            let seen = self.model.positions().zip(state.classes.iter().zip(&labels));
+            let p: f64 = seen.map(|(j, (c, z))| self.model.table(j, viewpoint)[(c.0, z.0)]).product();
             if p > 0.0 {
                 writeln!(out, "O: {action} : {name} : {} {}", vector_name('z', &labels), number(p))?;
             }
@@ -149,7 +158,7 @@ impl<'a> Flat<'a> {
         Ok(())
     }
 
-    fn motion_reward(&self, from: usize, to: usize) -> f64 {
+    fn motion_reward(&self, from: Viewpoint, to: Viewpoint) -> f64 {
         if self.model.legal_moves(from).contains(&to) {
             0.0 - self.model.motion_cost(from, to)
         } else {
@@ -164,28 +173,33 @@ impl<'a> Flat<'a> {
     }
 
     fn start(&self, state: &State) -> f64 {
-        if state.viewpoint > 0 {
+        if state.viewpoint != Viewpoint(0) {
             return 0.0;
         }
-        state.classes.iter().map(|c| self.model.arrival()[*c]).product()
+        state.classes.iter().map(|c| self.model.arrival()[c.0]).product()
     }
 
     /// Every state, in the order of the file: by viewpoint, then by the class at the belt end, and so on.
     fn states(&self) -> impl Iterator<Item = State> {
-        (0..self.viewpoints).flat_map(move |viewpoint| {
-            (0..self.vectors).map(move |index| State { viewpoint, classes: self.vector(index) })
+        (0..self.viewpoints).map(Viewpoint).flat_map(move |viewpoint| {
+            (0..self.vectors).map(move |index| State { viewpoint, classes: self.vector(index, Class) })
         })
     }
 
+    /// Every vector of labels, in the order of the file.
+    fn label_vectors(&self) -> impl Iterator<Item = Vec<Label>> {
+        (0..self.vectors).map(|index| self.vector(index, Label))
+    }
+
     /// The class or label vector with this number, position 0 first (and most significant).
-    fn vector(&self, index: usize) -> Vec<usize> {
+    fn vector<T>(&self, index: usize, entry: fn(usize) -> T) -> Vec<T> {
         let l = self.model.class_count();
         let mut rest = index;
-        let mut entries: Vec<usize> = (0..self.model.position_count())
+        let mut entries: Vec<T> = (0..self.model.position_count())
             .map(|_| {
-                let entry = rest % l;
+                let digit = rest % l;
                 rest /= l;
-                entry
+                entry(digit)
             })
             .collect();
         entries.reverse();
@@ -214,11 +228,11 @@ fn check_expressible(model: &SortingModel) -> Result<()> {
 /// Whether the viewpoint is needed to tell which moves are legal, what they cost, or what is seen.
 fn viewpoint_matters(model: &SortingModel) -> bool {
     let costs = |from| model.legal_moves(from).iter().map(move |to| (*to, model.motion_cost(from, *to)));
-    let k = model.viewpoint_count();
-    k > 1 && (model.observes_after_decision() || (1..k).any(|from| !costs(from).eq(costs(0))))
+    let differ = || model.viewpoints().any(|from| !costs(from).eq(costs(Viewpoint(0))));
+    model.viewpoint_count() > 1 && (model.observes_after_decision() || differ())
 }
 
-fn vector_name(letter: char, entries: &[usize]) -> String {
+fn vector_name(letter: char, entries: &[impl fmt::Display]) -> String {
     entries.iter().map(|entry| format!("{letter}{entry}")).collect::<Vec<_>>().join("_")
 }
 

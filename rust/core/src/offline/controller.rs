@@ -15,6 +15,7 @@ use super::alpha::{AlphaVectors, joint};
 use super::graph::{BeliefGraph, place};
 use super::neighbourhoods::{Candidates, good_policies};
 use super::reach::Reach;
+use crate::index::{Class, Viewpoint};
 use crate::model::{Action, SortingModel};
 
 /// Sweeps that change the root, and lower any value, by less than this part of `r_max` suffice.
@@ -52,7 +53,7 @@ impl<'a> Controller<'a> {
         alphas: &AlphaVectors,
     ) -> Self {
         let interior = reach.interior.len();
-        let likelihoods = (0..model.viewpoint_count()).map(|v| discounted_likelihoods(model, v)).collect();
+        let likelihoods = model.viewpoints().map(|v| discounted_likelihoods(model, v)).collect();
         let (rows, states) = (vec![u32::MAX; graph.size()], alphas.0.ncols());
         let (values, steps, successors) = Default::default();
         let mut controller =
@@ -182,10 +183,10 @@ impl<'a> Controller<'a> {
         let (action, reward, end) = self.steps[row];
         let successors = &self.successors[if row == 0 { 0 } else { self.steps[row - 1].2 }..end];
         match action {
-            Action::Decide(label) => self.back_up_decision(label, self.row(successors[0]), backed_up),
+            Action::Decide(class) => self.back_up_decision(class, self.row(successors[0]), backed_up),
             Action::Move(to) => {
                 backed_up.fill(reward);
-                for (next, likelihood) in successors.iter().zip(&self.likelihoods[to]) {
+                for (next, likelihood) in successors.iter().zip(&self.likelihoods[to.0]) {
                     for ((sum, p), value) in backed_up.iter_mut().zip(likelihood).zip(self.row(*next)) {
                         *sum += p * value;
                     }
@@ -194,14 +195,14 @@ impl<'a> Controller<'a> {
         }
     }
 
-    fn back_up_decision(&self, label: usize, next: &[f64], backed_up: &mut [f64]) {
+    fn back_up_decision(&self, decided: Class, next: &[f64], backed_up: &mut [f64]) {
         let (l, arrival) = (self.model.class_count(), self.model.arrival());
         // The class of the arriving object is the last digit of the next joint class.
         let behind = self.states / l;
         for (b, values) in backed_up.chunks_exact_mut(l).enumerate() {
             let expected: f64 = arrival.iter().enumerate().map(|(c, p)| p * next[b + c * behind]).sum();
-            for (class, value) in values.iter_mut().enumerate() {
-                let reward = self.model.decision_reward(f64::from(u8::from(class == label)));
+            for (class, value) in self.model.classes().zip(values) {
+                let reward = self.model.decision_reward(f64::from(u8::from(class == decided)));
                 *value = reward + self.model.discount() * expected;
             }
         }
@@ -215,8 +216,8 @@ fn sample(rows: usize) -> impl Iterator<Item = usize> {
 
 /// Discounted `P(z | s, v)`: per label vector z, the last position's label changing fastest, a row over the joint
 /// classes s.
-fn discounted_likelihoods(model: &SortingModel, viewpoint: usize) -> Vec<Vec<f64>> {
-    (0..model.position_count()).fold(vec![vec![model.discount()]], |rows, j| {
+fn discounted_likelihoods(model: &SortingModel, viewpoint: Viewpoint) -> Vec<Vec<f64>> {
+    model.positions().fold(vec![vec![model.discount()]], |rows, j| {
         let labels = |row: &Vec<f64>| -> Vec<Vec<f64>> {
             let column = |column: DVectorView<'_, f64>| {
                 column.iter().flat_map(|p| row.iter().map(move |q| q * p)).collect()

@@ -13,6 +13,7 @@ use super::LeafBounds;
 use super::objects::{ObjectId, Objects};
 use crate::belief::most_likely;
 use crate::bounds;
+use crate::index::{Position, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 
@@ -79,7 +80,7 @@ impl<'a> BeliefGraph<'a> {
         model: &'a SortingModel,
         leaves: &'a LeafBounds,
         root: &[f64],
-        viewpoint: usize,
+        viewpoint: Viewpoint,
     ) -> Self {
         let mut graph = Self {
             model,
@@ -109,7 +110,7 @@ impl<'a> BeliefGraph<'a> {
     }
 
     /// A node's belief, one distribution per position, and a viewpoint of its group.
-    pub(super) fn belief(&self, node: NodeId) -> (Vec<f64>, usize) {
+    pub(super) fn belief(&self, node: NodeId) -> (Vec<f64>, Viewpoint) {
         let places = self.places_of(node);
         let belief = places[1..].iter().flat_map(|object| self.objects.belief(*object)).copied().collect();
         (belief, self.leaves.policy.representative(places[0] as usize))
@@ -178,7 +179,7 @@ impl<'a> BeliefGraph<'a> {
         arms.reduce(|a, b| if self.arms[b].upper > self.arms[a].upper { b } else { a })
     }
 
-    fn viewpoint(&self, node: NodeId) -> usize {
+    fn viewpoint(&self, node: NodeId) -> Viewpoint {
         self.leaves.policy.representative(self.places_of(node)[0] as usize)
     }
 
@@ -192,7 +193,7 @@ impl<'a> BeliefGraph<'a> {
         let possible = rows.filter(|(_, p)| **p > 0.0);
         let expected: f64 = possible.map(|(places, p)| p * self.leaf_bound(places)).sum();
         let reward = match self.action(node, arm) {
-            Action::Decide(label) => self.model.decision_reward(self.belief_at_end(node)[label]),
+            Action::Decide(class) => self.model.decision_reward(self.belief_at_end(node)[class.0]),
             Action::Move(to) => -self.model.motion_cost(self.viewpoint(node), to),
         };
         let upper = reward + self.model.discount() * expected;
@@ -207,7 +208,7 @@ impl<'a> BeliefGraph<'a> {
     }
 
     fn belief_at_end(&self, node: NodeId) -> &[f64] {
-        self.objects.belief(self.places_of(node)[1])
+        self.objects.belief(self.object(node, Position(0)))
     }
 
     fn outcomes(&mut self, node: NodeId, arm: usize) -> Outcomes {
@@ -219,11 +220,15 @@ impl<'a> BeliefGraph<'a> {
         };
         let mut rows =
             Outcomes { places: vec![place(self.leaves.policy.group(to))], probabilities: vec![1.0] };
-        for j in 0..self.model.position_count() {
-            let look = self.objects.look(self.places_of(node)[1 + j], j, to);
-            rows = rows.with(1 + j, self.objects.outcomes(look));
+        for j in self.model.positions() {
+            let look = self.objects.look(self.object(node, j), j, to);
+            rows = rows.with(1 + j.0, self.objects.outcomes(look));
         }
         rows
+    }
+
+    fn object(&self, node: NodeId, position: Position) -> ObjectId {
+        self.places_of(node)[1 + position.0]
     }
 
     fn stride(&self) -> usize {

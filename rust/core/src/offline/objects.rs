@@ -6,7 +6,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::upper::{GridBound, posteriors};
-use crate::model::SortingModel;
+use crate::index::{Position, Viewpoint};
+use crate::model::{Look, SortingModel};
 
 /// Beliefs that agree to this much count as equal; it moves a value by less than [`super::SLACK`].
 const RESOLUTION: f64 = 1e-11;
@@ -83,12 +84,18 @@ impl<'a> Objects<'a> {
     }
 
     /// Where the outcomes of looking at an object are.
-    pub(super) fn look(&mut self, object: ObjectId, position: usize, viewpoint: usize) -> Range<usize> {
+    pub(super) fn look(
+        &mut self,
+        object: ObjectId,
+        position: Position,
+        viewpoint: Viewpoint,
+    ) -> Range<usize> {
         let l = self.model.class_count();
-        let index = (object as usize * self.model.position_count() + position) * self.model.viewpoint_count()
-            + viewpoint;
+        let index = (object as usize * self.model.position_count() + position.0)
+            * self.model.viewpoint_count()
+            + viewpoint.0;
         if self.looks[index] == NONE {
-            let seen: Vec<_> = posteriors(self.model, position, viewpoint, self.belief(object))
+            let seen: Vec<_> = posteriors(self.model, Look::first(position, viewpoint), self.belief(object))
                 .into_iter()
                 .map(|(p, posterior)| (self.id(&posterior), p))
                 .collect();

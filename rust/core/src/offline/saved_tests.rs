@@ -3,6 +3,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::*;
 use crate::belief::Belief;
+use crate::index::{Label, Viewpoint};
 use crate::policy::Policy;
 use crate::testing::{from_weights, paper};
 
@@ -23,13 +24,15 @@ fn a_loaded_solution_answers_like_the_saved_one() {
         saved.save(&path).unwrap();
         let loaded = Solution::load(&path, Some(&model)).unwrap();
         std::fs::remove_file(&path).unwrap();
-        let mut belief = Belief::new(&model);
-        let (lower, upper) = loaded.bounds(&belief, 0).unwrap();
+        let (mut belief, viewpoint) = (Belief::new(&model), Viewpoint(0));
+        let (lower, upper) = loaded.bounds(&belief, viewpoint).unwrap();
         assert!(saved.lower <= lower && upper <= saved.upper, "as tight as what the search found");
-        for label in 0..2 {
-            let pair = [&saved, &loaded].map(|s| (s.bounds(&belief, 0).unwrap(), s.act(&belief, 0).unwrap()));
+        for label in [0, 1].map(Label) {
+            let answers =
+                |s: &Solution| (s.bounds(&belief, viewpoint).unwrap(), s.act(&belief, viewpoint).unwrap());
+            let pair = [&saved, &loaded].map(answers);
             assert_eq!(pair[0], pair[1]);
-            belief.observe(&model, 0, &vec![Some(label); model.position_count()]).unwrap();
+            belief.observe(&model, viewpoint, &vec![Some(label); model.position_count()]).unwrap();
         }
         assert_eq!((loaded.lower, loaded.upper, loaded.model()), (saved.lower, saved.upper, &model));
     }

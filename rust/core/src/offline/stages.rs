@@ -12,6 +12,7 @@ use super::reach::Reach;
 use super::upper::{GridBound, Resolution};
 use super::watch::Watch;
 use crate::belief::Belief;
+use crate::index::Viewpoint;
 use crate::model::SortingModel;
 
 /// Parts of the time after which the grid, and the searches, have had their share; the rest is for valuing the
@@ -48,7 +49,7 @@ const GAP_TOLERANCE: f64 = 1e-6;
 pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBound {
     let arrival = Belief::new(model).as_slice().to_vec();
     let tolerance = TOLERANCE * model.spec().r_max;
-    let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, 0).1;
+    let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, Viewpoint(0)).1;
     let work = |n: f64| resolution(n, 0.0).values(model) as f64;
     let mut best = coarse_grid(model, MOST_COARSE_VALUES, || watch.over(GRID_UNTIL));
     let mut intervals = best.resolution.intervals as f64;
@@ -77,7 +78,7 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
 /// The best graded of coarse grids, of at most so many values times classes.
 pub(super) fn coarse_grid(model: &SortingModel, most_values: f64, stop: impl Fn() -> bool) -> GridBound {
     let arrival = Belief::new(model).as_slice().to_vec();
-    let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, 0).1;
+    let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, Viewpoint(0)).1;
     let values = |n: f64| resolution(n, 0.0).values(model) as f64 * model.class_count() as f64;
     let small = |n: &f64| values(*n) < most_values;
     let intervals = (1..=COARSEST).rev().map(f64::from).find(small).unwrap_or(1.0);
@@ -112,7 +113,7 @@ pub(super) fn searched(
     arrival: &[f64],
     watch: &Watch<'_>,
 ) -> Option<AlphaVectors> {
-    let mut graph = BeliefGraph::new(model, leaves, arrival, 0);
+    let mut graph = BeliefGraph::new(model, leaves, arrival, Viewpoint(0));
     let mut known =
         leaves.grid.is_some().then(|| AlphaVectors::chained(model, &leaves.policy, &[arrival.to_vec()]));
     let most_nodes = MOST_NODES / joint_classes(model).div_ceil(16);

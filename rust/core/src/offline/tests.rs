@@ -7,6 +7,7 @@ use super::evaluation::policy_value;
 use super::graph::{BeliefGraph, ROOT};
 use super::reach::Reach;
 use super::*;
+use crate::index::Class;
 use crate::testing::{
     Exact, belief_of, enumerable_models, enumerated_value, from_weights, paper, seeded, tiny_beliefs,
     tiny_models,
@@ -33,9 +34,9 @@ proptest! {
         let anywhere = belief_of(&model, &weights);
         let solution = solve(&model, 60);
         let start = (Belief::new(&model), (solution.lower, solution.upper));
-        let elsewhere = (anywhere.clone(), solution.bounds(&anywhere, 0).unwrap());
+        let elsewhere = (anywhere.clone(), solution.bounds(&anywhere, Viewpoint(0)).unwrap());
         for (belief, (lower, upper)) in [start, elsewhere] {
-            let (at_least, at_most) = enumerated_value(&model, &belief, 0, 4);
+            let (at_least, at_most) = enumerated_value(&model, &belief, Viewpoint(0), 4);
             prop_assert!(lower <= upper);
             prop_assert!(lower <= at_most, "lower bound {lower} above V* <= {at_most}");
             prop_assert!(upper >= at_least, "upper bound {upper} below V* >= {at_least}");
@@ -54,7 +55,7 @@ proptest! {
         prop_assert!(lower <= at_most && upper >= at_least, "[{lower}, {upper}] without V* = {at_least}");
         let start = std::iter::once(Belief::new(model));
         for belief in start.chain(beliefs.iter().map(|weights| belief_of(model, weights))) {
-            for (viewpoint, (at_least, at_most)) in exact.bounds(&belief).into_iter().enumerate() {
+            for (viewpoint, (at_least, at_most)) in model.viewpoints().zip(exact.bounds(&belief)) {
                 let (lower, upper) = solution.bounds(&belief, viewpoint).unwrap();
                 prop_assert!(lower <= at_most, "{belief:?}: {lower} above V* = {at_most}");
                 prop_assert!(upper >= at_least, "{belief:?}: {upper} below V* = {at_least}");
@@ -110,9 +111,9 @@ fn bounds_at_the_start_only_tighten() {
 fn the_policy_looks_at_the_unknown_and_decides_the_certain() {
     let model = paper(50.0);
     let solution = solved_until(|s| s.upper - s.lower < 10.0, &model, 500);
-    assert!(matches!(solution.act(&Belief::new(&model), 0).unwrap(), Action::Move(_)));
+    assert!(matches!(solution.act(&Belief::new(&model), Viewpoint(0)).unwrap(), Action::Move(_)));
     let certain = Belief::from_rows(&model, &[vec![0.0, 1.0, 0.0, 0.0], vec![0.25; 4]]).unwrap();
-    assert_eq!(solution.act(&certain, 2).unwrap(), Action::Decide(1));
+    assert_eq!(solution.act(&certain, Viewpoint(2)).unwrap(), Action::Decide(Class(1)));
 }
 
 #[test]
@@ -146,7 +147,7 @@ fn a_certified_grid_lies_above_its_own_backup() {
         let left = std::cell::Cell::new(sweeps);
         bound.improve(&model, 1e-3, || left.replace(left.get() - 1) == 0);
         assert!(bound.largest_rise(&model) < 1e-5, "{}", bound.largest_rise(&model));
-        assert!(bound.look_ahead(&model, &arrival, 0).1 <= bound.value(&arrival));
+        assert!(bound.look_ahead(&model, &arrival, Viewpoint(0)).1 <= bound.value(&arrival));
     }
     let finer = bound.refined(&model, stages::resolution(11.0, 0.6));
     assert!(finer.value(&arrival) >= bound.value(&arrival) - 1e-4, "interpolated, so no tighter");
@@ -163,7 +164,7 @@ fn with_searched<T>(
     grid.improve(model, 1e-3, || false);
     let leaves =
         LeafBounds { policy: OneObjectPolicy::solve(model), grid: Some(Arc::new(grid)), alphas: None };
-    let mut graph = BeliefGraph::new(model, &leaves, &arrival, 0);
+    let mut graph = BeliefGraph::new(model, &leaves, &arrival, Viewpoint(0));
     for _ in 0..rounds {
         Reach::new(&graph, model.discount()).grow(&mut graph, || false);
     }

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::simplex_grid::{Combination, SimplexGrid};
 use crate::belief::most_likely;
-use crate::model::{Action, SortingModel};
+use crate::index::{Position, Viewpoint};
+use crate::model::{Action, Look, SortingModel};
 use crate::one_object::dot;
 
 /// How fine a grid is.
@@ -60,44 +61,28 @@ impl Axis {
     }
 
     /// The posteriors of one object over all labels, each located and weighted by its probability.
-    fn observed(
-        &self,
-        model: &SortingModel,
-        position: usize,
-        viewpoint: usize,
-        belief: &[f64],
-    ) -> Combination {
+    fn observed(&self, model: &SortingModel, look: Look, belief: &[f64]) -> Combination {
         let mut combination = Combination::new();
-        let possible = posteriors(model, position, viewpoint, belief).into_iter().filter(|(p, _)| *p > 0.0);
+        let possible = posteriors(model, look, belief).into_iter().filter(|(p, _)| *p > 0.0);
         for (p, posterior) in possible {
             combination.extend(self.grid.locate(&posterior).into_iter().map(|(i, w)| (i, w * p)));
         }
         merged(combination)
     }
 
-    pub(super) fn all_observed(
-        &self,
-        model: &SortingModel,
-        position: usize,
-        viewpoint: usize,
-    ) -> Vec<Combination> {
-        self.points.par_iter().map(|p| self.observed(model, position, viewpoint, p)).collect()
+    pub(super) fn all_observed(&self, model: &SortingModel, look: Look) -> Vec<Combination> {
+        self.points.par_iter().map(|p| self.observed(model, look, p)).collect()
     }
 }
 
-/// Probability and posterior of each label of one position; an impossible one leaves the belief as it is.
-pub(super) fn posteriors(
-    model: &SortingModel,
-    position: usize,
-    viewpoint: usize,
-    belief: &[f64],
-) -> Vec<(f64, Vec<f64>)> {
+/// Probability and posterior of each label of a first look; an impossible one leaves the belief as it is.
+pub(super) fn posteriors(model: &SortingModel, look: Look, belief: &[f64]) -> Vec<(f64, Vec<f64>)> {
     let posterior = |column: DVectorView<'_, f64>| {
         let p = dot(belief, column.as_slice());
         let likelihood = column.iter().map(|o| if p > 0.0 { o / p } else { 1.0 });
         (p, belief.iter().zip(likelihood).map(|(b, factor)| b * factor).collect())
     };
-    model.table(position, viewpoint).column_iter().map(posterior).collect()
+    model.table(look.position, look.viewpoint).column_iter().map(posterior).collect()
 }
 
 impl GridBound {
@@ -135,7 +120,12 @@ impl GridBound {
     }
 
     /// The action that is best one exact step ahead of the bound, and its value: no more than the bound itself.
-    pub(super) fn look_ahead(&self, model: &SortingModel, belief: &[f64], viewpoint: usize) -> (Action, f64) {
+    pub(super) fn look_ahead(
+        &self,
+        model: &SortingModel,
+        belief: &[f64],
+        viewpoint: Viewpoint,
+    ) -> (Action, f64) {
         let decide = Action::Decide(most_likely(&belief[..model.class_count()]).0);
         let value = |action| (action, self.action_value(model, belief, viewpoint, action));
         let moves = model.legal_moves(viewpoint).iter().map(|to| value(Action::Move(*to)));
@@ -147,18 +137,19 @@ impl GridBound {
         &self,
         model: &SortingModel,
         belief: &[f64],
-        viewpoint: usize,
+        viewpoint: Viewpoint,
         action: Action,
     ) -> f64 {
         let l = model.class_count();
         match action {
-            Action::Decide(label) => {
+            Action::Decide(class) => {
                 let advanced = [&belief[l..], model.arrival().as_slice()].concat();
-                model.decision_reward(belief[label]) + model.discount() * self.value(&advanced)
+                model.decision_reward(belief[class.0]) + model.discount() * self.value(&advanced)
             }
             Action::Move(to) => {
-                let first = self.axis.observed(model, 0, to, &belief[..l]);
-                let second = self.behind(belief, |b| self.axis.observed(model, 1, to, b));
+                let look = |position| Look::first(Position(position), to);
+                let first = self.axis.observed(model, look(0), &belief[..l]);
+                let second = self.behind(belief, |b| self.axis.observed(model, look(1), b));
                 model.discount() * self.mixture(&first, &second) - model.motion_cost(viewpoint, to)
             }
         }

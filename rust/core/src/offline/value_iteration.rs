@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use super::sparse::{LANES, Real, Rows, gather, mix};
 use super::upper::{Axis, GridBound, rounded_up, sole};
 use crate::belief::most_likely;
-use crate::model::SortingModel;
+use crate::index::{Position, Viewpoint};
+use crate::model::{Look, SortingModel};
 
 /// One Bellman operator in the arithmetic T.
 struct Operator<'a, T> {
@@ -33,20 +34,20 @@ struct Motion<T> {
 
 impl<'a, T: Real> Operator<'a, T> {
     fn new(model: &SortingModel, axis: &'a Axis) -> Self {
-        let second = |to| match model.position_count() {
-            1 => vec![sole()],
-            _ => axis.all_observed(model, 1, to),
-        };
-        let motion = |&to: &usize| Motion {
-            cost: T::of(-model.motion_cost(0, to)),
-            first: Rows::new(&axis.all_observed(model, 0, to), model.discount()),
+        // All viewpoints are alike: where the camera comes from does not matter.
+        let from = Viewpoint(0);
+        let observed = |position, to| axis.all_observed(model, Look::first(Position(position), to));
+        let second = |to| if model.position_count() == 1 { vec![sole()] } else { observed(1, to) };
+        let motion = |&to: &Viewpoint| Motion {
+            cost: T::of(-model.motion_cost(from, to)),
+            first: Rows::new(&observed(0, to), model.discount()),
             second: Rows::new(&second(to), 1.0),
         };
         let reward = |point: &Vec<f64>| T::of(model.decision_reward(most_likely(point).1));
         Self {
             discount: T::of(model.discount()),
             rewards: axis.points.iter().map(reward).collect(),
-            motions: model.legal_moves(0).iter().map(motion).collect(),
+            motions: model.legal_moves(from).iter().map(motion).collect(),
             arrival: Rows::new(&[axis.grid.locate(model.arrival().as_slice())], 1.0),
             axis,
         }

@@ -99,8 +99,9 @@ mod tests {
 
     use super::*;
     use crate::belief::Belief;
+    use crate::index::{Label, Position, Viewpoint};
     use crate::model::SortingModel;
-    use crate::one_object::OneObjectPolicy;
+    use crate::one_object::{OneObjectPolicy, Turn};
     use crate::testing::{models_in_full, paper, seeded};
 
     /// The best of the candidates is the best of all plans, whatever follows.
@@ -108,7 +109,9 @@ mod tests {
         let policy = OneObjectPolicy::solve(model);
         let mut belief = Belief::new(model);
         for (step, label) in labels.iter().enumerate() {
-            let _ = belief.observe_one(model, 0, step % model.viewpoint_count(), label % model.class_count());
+            let (viewpoint, label) =
+                (Viewpoint(step % model.viewpoint_count()), Label(label % model.label_count()));
+            let _ = belief.observe_one(model, Position(0), viewpoint, label);
         }
         let distribution = &belief.as_slice()[..model.class_count()];
         for (behind, ends) in (0..model.position_count()).flat_map(|behind| [(behind, false), (behind, true)])
@@ -117,7 +120,8 @@ mod tests {
             let follows: Vec<_> = range.centre.iter().zip(&range.radius).map(|(c, r)| c + part * r).collect();
             for group in 0..policy.group_count() {
                 let mut found = Vec::new();
-                policy.candidates((group, behind, ends), distribution, &mut found, &mut Weighed::default());
+                let turn = Turn { group, behind, ends };
+                policy.candidates(turn, distribution, &mut found, &mut Weighed::default());
                 let value =
                     |plan: &[f64]| plan[0] + plan[1..].iter().zip(&follows).map(|(d, w)| d * w).sum::<f64>();
                 let plans = found.chunks_exact(1 + follows.len());

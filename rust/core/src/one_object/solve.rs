@@ -11,6 +11,7 @@ use super::following::Following;
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::{OneObjectPolicy, dot};
 use crate::belief::most_likely;
+use crate::index::{Class, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::sampling::{Purpose, invert, stream};
 
@@ -147,13 +148,13 @@ impl OneObjectPolicy {
     fn move_plan(
         &self,
         model: &SortingModel,
-        from: usize,
-        to: usize,
+        from: Viewpoint,
+        to: Viewpoint,
         belief: &[f64],
         values: &[DMatrix<f64>],
     ) -> ConditionalPlan {
         let (l, target) = (model.class_count(), self.group(to));
-        let table = model.table(0, to);
+        let table = model.table(Position(0), to);
         let belief = DVector::from_column_slice(belief);
         let mut gain = DVector::from_element(l, -model.motion_cost(from, to));
         let mut discount_to = DVector::zeros(self.group_count() * l);
@@ -198,27 +199,28 @@ impl OneObjectPolicy {
     }
 }
 
-/// The plans that decide at once, one per label.
+/// The plans that decide at once, one per class.
 fn deciding(model: &SortingModel, groups: usize, group: usize) -> Vec<ConditionalPlan> {
-    (0..model.class_count()).map(|label| decide(model, groups, group, label)).collect()
+    model.classes().map(|class| decide(model, groups, group, class)).collect()
 }
 
-fn decide(model: &SortingModel, groups: usize, group: usize, label: usize) -> ConditionalPlan {
+fn decide(model: &SortingModel, groups: usize, group: usize, class: Class) -> ConditionalPlan {
     let l = model.class_count();
     let mut discount_to = DVector::zeros(groups * l);
     discount_to.rows_mut(group * l, l).fill(model.discount());
-    let gain = DVector::from_fn(l, |c, _| model.decision_reward(if c == label { 1.0 } else { 0.0 }));
-    ConditionalPlan { action: Action::Decide(label), gain, discount_to }
+    let gain = DVector::from_fn(l, |c, _| model.decision_reward(if Class(c) == class { 1.0 } else { 0.0 }));
+    ConditionalPlan { action: Action::Decide(class), gain, discount_to }
 }
 
 /// The group of each viewpoint, and the number of groups.
 pub(super) fn viewpoint_groups(model: &SortingModel) -> (Vec<usize>, usize) {
-    let moves = |from: usize| -> Vec<(usize, u64)> {
-        let cost = |to: usize| model.motion_cost(from, to).to_bits();
+    let moves = |from| -> Vec<(Viewpoint, u64)> {
+        let cost = |to| model.motion_cost(from, to).to_bits();
         model.legal_moves(from).iter().map(|&to| (to, cost(to))).collect()
     };
-    let mut kinds: Vec<Vec<(usize, u64)>> = Vec::new();
-    let group_of = (0..model.viewpoint_count())
+    let mut kinds: Vec<Vec<(Viewpoint, u64)>> = Vec::new();
+    let group_of = model
+        .viewpoints()
         .map(|from| {
             let kind = moves(from);
             kinds.iter().position(|known| *known == kind).unwrap_or_else(|| {
@@ -240,7 +242,8 @@ fn reachable_beliefs(model: &SortingModel) -> Vec<Vec<f64>> {
             // Some walks see the object only at the belt end, some also on its way there.
             let on_the_way = model.position_count() > 1 && walk % 2 == 1 && look < LOOKS_PER_WALK / 2;
             let position = if on_the_way { rng.random_range(1..model.position_count()) } else { 0 };
-            let table = model.table(position, rng.random_range(0..model.viewpoint_count()));
+            let viewpoint = Viewpoint(rng.random_range(0..model.viewpoint_count()));
+            let table = model.table(Position(position), viewpoint);
             let z = invert(table.tr_mul(&belief).iter(), rng.random::<f64>());
             belief.component_mul_assign(&table.column(z));
             belief /= belief.sum();
@@ -273,7 +276,7 @@ mod tests {
         (spec.r_max, spec.r_min) = (10.0, 10.0);
         let model = SortingModel::new(spec).unwrap();
         let policy = OneObjectPolicy::solve(&model);
-        assert!(policy.value(&model, (&[0.5, 0.5], Remaining::ENDLESS), 0) > 0.0);
+        assert!(policy.value(&model, (&[0.5, 0.5], Remaining::ENDLESS), Viewpoint(0)) > 0.0);
     }
 
     /// The third and fourth look at a symmetric object pay only together, and its optima are known from `solve`.
@@ -283,7 +286,8 @@ mod tests {
             let mut spec = from_weights(1, 1, 2, &[0.8, 0.2, 0.2, 0.8]);
             (spec.r_max, spec.r_min, spec.discount) = (10.0, r_min, 0.95);
             let model = SortingModel::new(spec).unwrap();
-            let value = OneObjectPolicy::solve(&model).value(&model, (&[0.5, 0.5], Remaining::ENDLESS), 0);
+            let value =
+                OneObjectPolicy::solve(&model).value(&model, (&[0.5, 0.5], Remaining::ENDLESS), Viewpoint(0));
             assert!((value / optimum - 1.0).abs() < 3e-3, "r_min {r_min}: {value} instead of {optimum}");
         }
     }
@@ -295,7 +299,9 @@ mod tests {
         (spec.r_max, spec.r_min) = (spec.r_max * 1e-3, spec.r_min * 1e-3);
         spec.motion_cost = ScalarOrMatrix::Scalar(1e-3);
         let scaled = SortingModel::new(spec).unwrap();
-        let value = |model| OneObjectPolicy::solve(model).value(model, (&[0.25; 4], Remaining::ENDLESS), 0);
+        let value = |model| {
+            OneObjectPolicy::solve(model).value(model, (&[0.25; 4], Remaining::ENDLESS), Viewpoint(0))
+        };
         assert!((1e3 * value(&scaled) / value(&unit) - 1.0).abs() < 1e-6);
     }
 
@@ -304,7 +310,7 @@ mod tests {
         for (r_min, optimum, tolerance) in [(5.0, 46.987, 0.001), (50.0, 17.5, 0.001), (500.0, 5.842, 0.01)] {
             let model = paper(r_min).with_positions(1).unwrap();
             let policy = OneObjectPolicy::solve(&model);
-            let value = policy.value(&model, Belief::new(&model).known(), 0);
+            let value = policy.value(&model, Belief::new(&model).known(), Viewpoint(0));
             assert!(value <= optimum + 5e-4, "r_min {r_min}: {value} above {optimum}");
             assert!(value >= optimum * (1.0 - tolerance), "r_min {r_min}: {value} far below {optimum}");
         }

@@ -1,7 +1,7 @@
 //! The one-object policy as a row of numbers: to store it, and to have it back without solving anew.
 //!
 //! The value of an unseen object per viewpoint group; then for each group the number of its plans, and per plan its
-//! action (a label, or the number of classes and a viewpoint), `G(c)` and `D_s(c)`.
+//! action (a class, or the number of classes and a viewpoint), `G(c)` and `D_s(c)`.
 
 use nalgebra::DVector;
 
@@ -9,6 +9,7 @@ use super::OneObjectPolicy;
 use super::following::Following;
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::solve::viewpoint_groups;
+use crate::index::{Class, Viewpoint};
 use crate::model::{Action, SortingModel};
 
 impl OneObjectPolicy {
@@ -19,8 +20,8 @@ impl OneObjectPolicy {
             numbers.push(set.plans().len() as f64);
             for plan in set.plans() {
                 let action = match plan.action {
-                    Action::Decide(label) => label,
-                    Action::Move(viewpoint) => model.class_count() + viewpoint,
+                    Action::Decide(class) => class.0,
+                    Action::Move(viewpoint) => model.class_count() + viewpoint.0,
                 };
                 numbers.push(action as f64);
                 numbers.extend(plan.gain.iter().chain(plan.discount_to.iter()));
@@ -58,8 +59,8 @@ fn length(model: &SortingModel, groups: usize) -> usize {
 fn plan(model: &SortingModel, row: &[f64]) -> Option<ConditionalPlan> {
     let l = model.class_count();
     let action = match index(row[0])? {
-        label if label < l => Action::Decide(label),
-        viewpoint if viewpoint < l + model.viewpoint_count() => Action::Move(viewpoint - l),
+        class if class < l => Action::Decide(Class(class)),
+        viewpoint if viewpoint < l + model.viewpoint_count() => Action::Move(Viewpoint(viewpoint - l)),
         _ => return None,
     };
     let (gain, discount_to) = row[1..].split_at(l);

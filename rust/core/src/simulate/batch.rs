@@ -7,6 +7,7 @@ use super::evaluation::Outcome;
 use super::{EvaluationConfig, TrueClasses};
 use crate::belief::{Belief, Memory};
 use crate::error::{Error, Result};
+use crate::index::{Class, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::policy::Policy;
 use crate::sampling::{Purpose, invert, label, stream};
@@ -16,7 +17,7 @@ const IMPOSSIBLE_IN_A_ROW: usize = 3;
 
 /// An object on the belt.
 struct Object {
-    class: usize,
+    class: Class,
     rng: ChaCha8Rng,
     looks: usize,
     impossible: usize,
@@ -34,7 +35,7 @@ pub(super) struct Batch<'a> {
     belief: Belief,
     /// The labels that the next looks may repeat, whether the model knows of it or not.
     given: Memory,
-    viewpoint: usize,
+    viewpoint: Viewpoint,
     discount: f64,
     outcome: Outcome,
 }
@@ -73,8 +74,8 @@ impl<'a> Batch<'a> {
                 self.book_regret(action)?;
                 match action {
                     Action::Move(to) => self.look_from(to)?,
-                    Action::Decide(label) => {
-                        self.decide(label)?;
+                    Action::Decide(class) => {
+                        self.decide(class)?;
                         break;
                     }
                 }
@@ -88,36 +89,36 @@ impl<'a> Batch<'a> {
         let object = &self.objects[0];
         if object.looks >= self.config.max_looks || object.impossible >= IMPOSSIBLE_IN_A_ROW {
             self.outcome.forced += 1;
-            return Ok(Action::Decide(self.belief.most_likely(0).0));
+            return Ok(Action::Decide(self.belief.most_likely(Position(0)).0));
         }
         let action = policy.act(&self.belief, self.viewpoint)?;
         let legal = match action {
             Action::Move(to) => self.model.legal_moves(self.viewpoint).contains(&to),
-            Action::Decide(label) => label < self.model.class_count(),
+            Action::Decide(class) => self.model.check_class(class).is_ok(),
         };
         if legal {
             return Ok(action);
         }
         Err(Error::Policy(format!(
-            "the policy chose {action:?} at viewpoint {}; legal are moves to {:?} and decisions below {}",
+            "the policy chose {action} at viewpoint {}; legal are moves to {:?} and decisions below {}",
             self.viewpoint,
-            self.model.legal_moves(self.viewpoint),
+            self.model.legal_moves(self.viewpoint).iter().map(|to| to.0).collect::<Vec<_>>(),
             self.model.class_count()
         )))
     }
 
-    fn look_from(&mut self, viewpoint: usize) -> Result<()> {
+    fn look_from(&mut self, viewpoint: Viewpoint) -> Result<()> {
         let cost = self.model.motion_cost(self.viewpoint, viewpoint);
         self.viewpoint = viewpoint;
         self.book(-cost, -cost, self.belief.bonus(self.model, viewpoint));
         self.scan()
     }
 
-    fn decide(&mut self, label: usize) -> Result<()> {
-        let right = self.objects[0].class == label;
+    fn decide(&mut self, class: Class) -> Result<()> {
+        let right = self.objects[0].class == class;
         self.outcome.correct += u64::from(right);
         let reward = self.model.decision_reward(f64::from(u8::from(right)));
-        let expected = self.model.decision_reward(self.belief.position(0)[label]);
+        let expected = self.model.decision_reward(self.belief.position(Position(0))[class.0]);
         self.advance();
         if !self.model.observes_after_decision() {
             self.book(reward, expected, 0.0);
@@ -129,11 +130,11 @@ impl<'a> Batch<'a> {
 
     /// One label of every visible object, from where the camera stands.
     fn scan(&mut self) -> Result<()> {
-        for (position, object) in self.objects.iter_mut().enumerate() {
+        for (position, object) in self.model.positions().zip(&mut self.objects) {
             object.looks += 1;
-            let last = self.given.last(self.truth, position, self.viewpoint);
+            let look = self.given.look(self.truth, position, self.viewpoint);
             let u = object.rng.random::<f64>();
-            let seen = label(self.truth, position, self.viewpoint, last, object.class, u);
+            let seen = label(self.truth, look, object.class, u);
             self.given.remember(self.truth, position, self.viewpoint, seen);
             match self.belief.observe_one(self.model, position, self.viewpoint, seen) {
                 Ok(()) => object.impossible = 0,
@@ -177,13 +178,13 @@ impl<'a> Batch<'a> {
             stream(self.config.seed, Purpose::Object, (self.index as u64) << 31 | self.arrived as u64);
         let u = rng.random::<f64>();
         let class = match &self.config.true_classes {
-            TrueClasses::Arrival => invert(self.truth.arrival().iter(), u),
-            TrueClasses::UniformlyFrom(labels) => {
-                let even = 1.0 / labels.len() as f64;
-                labels[invert(labels.iter().map(|_| even), u)]
+            TrueClasses::Arrival => Class(invert(self.truth.arrival().iter(), u)),
+            TrueClasses::UniformlyFrom(classes) => {
+                let even = 1.0 / classes.len() as f64;
+                classes[invert(classes.iter().map(|_| even), u)]
             }
             // Behind the last given object nothing is ever decided; any class will do.
-            TrueClasses::Given(rows) => rows[self.index].get(self.arrived).copied().unwrap_or(0),
+            TrueClasses::Given(rows) => rows[self.index].get(self.arrived).copied().unwrap_or_default(),
         };
         self.arrived += 1;
         self.objects.push(Object { class, rng, looks: 0, impossible: 0 });

@@ -11,7 +11,7 @@ fn config(batches: usize) -> EvaluationConfig {
         batch_size: 5,
         seed: 1,
         belt_ends: false,
-        viewpoint: 0,
+        viewpoint: Viewpoint(0),
         true_classes: TrueClasses::Arrival,
         max_looks: 8,
         reference: None,

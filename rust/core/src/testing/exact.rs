@@ -12,6 +12,7 @@ use std::borrow::Cow;
 use proptest::prelude::*;
 
 use crate::belief::Belief;
+use crate::index::{Position, Viewpoint};
 use crate::model::{ModelSpec, ScalarOrMatrix, SortingModel};
 
 /// Log-odds, from where an object starts, at which the numbers end.
@@ -134,8 +135,9 @@ impl Exact {
     /// Bounds of V* from each viewpoint, less than 1e-6 apart.
     pub(crate) fn bounds(&self, belief: &Belief) -> Vec<(f64, f64)> {
         let two_positions = self.tiny.model.position_count() == 2;
-        let first = log_odds(belief.position(0).as_slice());
-        let second = if two_positions { log_odds(belief.position(1).as_slice()) } else { self.arrival };
+        let first = log_odds(belief.position(Position(0)).as_slice());
+        let second =
+            if two_positions { log_odds(belief.position(Position(1)).as_slice()) } else { self.arrival };
         let [low, high] = [0, 1].map(|i| {
             let values = match belief.remaining() {
                 None => {
@@ -187,8 +189,9 @@ impl Exact {
                     let reward = right * spec.r_max - (1.0 - right) * spec.r_min;
                     for j in self.places_behind() {
                         let mut best = reward + discount * decided[v][j][arriving];
-                        for &to in self.tiny.model.legal_moves(v) {
-                            let look = discount * scanned[to][i][j] - self.tiny.model.motion_cost(v, to);
+                        for &to in self.tiny.model.legal_moves(Viewpoint(v)) {
+                            let look = discount * scanned[to.0][i][j]
+                                - self.tiny.model.motion_cost(Viewpoint(v), to);
                             best = best.max(look);
                         }
                         change = change.max((best - values[v][i][j]).abs());
@@ -212,15 +215,16 @@ impl Exact {
     /// Expectation of the values over the labels of a scan, before it.
     fn scanned(&self, end: End, [here, behind]: [f64; 2], values: &Values) -> Values {
         let mut expected = values.clone();
-        for (v, expected) in expected.iter_mut().enumerate() {
-            let second: Vec<_> = (0..expected.len()).map(|j| self.look(end, 1, v, behind, j)).collect();
+        for (v, expected) in self.tiny.model.viewpoints().zip(&mut expected) {
+            let second: Vec<_> =
+                (0..expected.len()).map(|j| self.look(end, Position(1), v, behind, j)).collect();
             for (i, row) in expected.iter_mut().enumerate() {
-                let first = self.look(end, 0, v, here, i);
+                let first = self.look(end, Position(0), v, here, i);
                 for j in self.places_behind() {
                     row[j] = 0.0;
                     for (p, to_i) in first {
                         for (q, to_j) in second[j] {
-                            row[j] += p * q * values[v][to_i][to_j];
+                            row[j] += p * q * values[v.0][to_i][to_j];
                         }
                     }
                 }
@@ -233,24 +237,24 @@ impl Exact {
     fn look(
         &self,
         end: End,
-        position: usize,
-        viewpoint: usize,
+        position: Position,
+        viewpoint: Viewpoint,
         start: f64,
         place: usize,
     ) -> [(f64, usize); 2] {
         let (last, class_0, class_1) = (2 * self.reach, 2 * self.reach + 1, 2 * self.reach + 2);
-        if position >= self.tiny.model.position_count() || place > last {
+        if position.0 >= self.tiny.model.position_count() || place > last {
             return [(1.0, place), (0.0, place)];
         }
         let p = self.probability(start, place);
-        let (towards_0, towards_1) = self.tiny.steps[position][viewpoint];
+        let (towards_0, towards_1) = self.tiny.steps[position.0][viewpoint.0];
         if place + towards_0 > last || place < towards_1 {
             return match end {
                 End::NothingTold => [(1.0, place), (0.0, place)],
                 End::ClassTold => [(p, class_0), (1.0 - p, class_1)],
             };
         }
-        let table = &self.tiny.model.spec().p_obs[position][viewpoint];
+        let table = &self.tiny.model.spec().p_obs[position.0][viewpoint.0];
         let label_0 = p * table[0][0] + (1.0 - p) * table[1][0];
         [(label_0, place + towards_0), (1.0 - label_0, place - towards_1)]
     }
@@ -287,7 +291,7 @@ mod tests {
             let tiny = tiny.observing(observe);
             let belief = belief_of(&tiny.model, &weights).with_remaining(remaining);
             let (low, high) = Exact::new(&tiny).bounds(&belief)[0];
-            let (at_least, at_most) = enumerated_value(&tiny.model, &belief, 0, 5);
+            let (at_least, at_most) = enumerated_value(&tiny.model, &belief, Viewpoint(0), 5);
             prop_assert!(at_least <= high + 1e-9 && low <= at_most + 1e-9, "[{low}, {high}], [{at_least}, {at_most}]");
         }
     }

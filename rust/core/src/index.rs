@@ -1,0 +1,28 @@
+//! Indices of the model's sets, a type each: no two of them can be swapped.
+
+use std::fmt;
+
+macro_rules! indices {
+    ($($(#[$meaning:meta])* $name:ident;)*) => {$(
+        $(#[$meaning])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+        pub struct $name(pub usize);
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.fmt(f)
+            }
+        }
+    )*};
+}
+
+indices! {
+    /// `j`: a belt position, 0 at the belt end.
+    Position;
+    /// `k`: where the camera can stand.
+    Viewpoint;
+    /// `c`: what an object is, and what a decision takes it for.
+    Class;
+    /// `z`: what one look at an object yields.
+    Label;
+}
