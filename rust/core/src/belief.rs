@@ -1,10 +1,12 @@
 //! The factored belief: one categorical distribution per belt position (eq. 7-8 of the paper).
 
+mod bayes;
 mod information;
 mod memory;
 
 use nalgebra::{DMatrix, DVectorView};
 
+pub(crate) use bayes::{condition, evidence, joint};
 pub(crate) use information::{entropy, information};
 pub(crate) use memory::Memory;
 
@@ -172,12 +174,15 @@ impl Belief {
                 model.position_count()
             ));
         }
-        let seen = || model.positions().zip(labels).filter_map(|(j, label)| Some((j, (*label)?)));
-        for (j, z) in seen() {
-            model.check_label(z)?;
-            self.check_possible(model, self.look(model, j, viewpoint), z)?;
+        let mut posterior = self.clone();
+        for (position, label) in model.positions().zip(labels) {
+            if let Some(label) = *label {
+                model.check_label(label)?;
+                posterior.observe_one(model, position, viewpoint, label)?;
+            }
         }
-        seen().try_for_each(|(j, z)| self.observe_one(model, j, viewpoint, z))
+        *self = posterior;
+        Ok(())
     }
 
     /// Bayes' rule for the label of one position; its indices must exist.
@@ -192,22 +197,16 @@ impl Belief {
         label: Label,
     ) -> Result<()> {
         let look = self.look(model, position, viewpoint);
-        self.check_possible(model, look, label)?;
-        condition(model, self.probabilities.as_mut_slice(), &mut self.memory, look, label);
-        Ok(())
-    }
-
-    /// The probability of a label, if it has any.
-    fn check_possible(&self, model: &SortingModel, look: Look, label: Label) -> Result<f64> {
-        let probability = self.label_probability(model, look, label);
-        if probability >= f64::MIN_POSITIVE {
-            return Ok(probability);
+        let mut column = self.probabilities.column_mut(position.0);
+        if condition(column.as_mut_slice(), model.likelihoods(look, label)) == 0.0 {
+            return Err(Error::ImpossibleObservation {
+                position,
+                viewpoint: model.viewpoint_name(viewpoint).to_owned(),
+                label: model.label_name(label).to_owned(),
+            });
         }
-        Err(Error::ImpossibleObservation {
-            position: look.position,
-            viewpoint: model.viewpoint_name(look.viewpoint).to_owned(),
-            label: model.label_name(label).to_owned(),
-        })
+        self.memory.remember(model, position, viewpoint, label);
+        Ok(())
     }
 
     /// The belt advances (eq. 8): beliefs shift by one position, the last starts from the arrival prior. No object is
@@ -252,25 +251,6 @@ impl Belief {
     }
 }
 
-/// Bayes' rule (eq. 7) for the label of one look, which must be possible.
-#[inline(always)]
-pub(crate) fn condition(
-    model: &SortingModel,
-    probabilities: &mut [f64],
-    memory: &mut Memory,
-    look: Look,
-    label: Label,
-) {
-    let l = model.class_count();
-    let distribution = &mut probabilities[look.position.0 * l..][..l];
-    let likelihoods = model.likelihoods(look, label);
-    let total = evidence(distribution, likelihoods.clone());
-    for (b, p) in distribution.iter_mut().zip(likelihoods) {
-        *b = *b * p / total;
-    }
-    memory.remember(model, look.position, look.viewpoint, label);
-}
-
 /// The belt advances (eq. 8).
 #[inline(always)]
 pub(crate) fn shift(model: &SortingModel, probabilities: &mut [f64], memory: &mut Memory) {
@@ -279,11 +259,6 @@ pub(crate) fn shift(model: &SortingModel, probabilities: &mut [f64], memory: &mu
     probabilities.copy_within(l.., 0);
     probabilities[behind..].copy_from_slice(model.arrival().as_slice());
     memory.clear();
-}
-
-/// `P(z) = sum_c b_c P(z | c)` from the likelihoods of one label.
-fn evidence(distribution: &[f64], likelihoods: impl Iterator<Item = f64>) -> f64 {
-    distribution.iter().zip(likelihoods).map(|(b, p)| b * p).sum()
 }
 
 /// The most likely class of a distribution (the first among equals) and its probability.

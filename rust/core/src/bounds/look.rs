@@ -1,7 +1,7 @@
 //! One look at one object, taken apart: every label with its probability, its posterior, and what the default policy
 //! makes of it. Nothing here depends on other objects.
 
-use crate::belief::{Belief, entropy, information, most_likely};
+use crate::belief::{Belief, condition, entropy, information, most_likely};
 use crate::index::{Class, Label, Viewpoint};
 pub(crate) use crate::model::Look as Sighting;
 use crate::model::SortingModel;
@@ -95,18 +95,12 @@ impl Look {
     }
 
     /// Probability and posterior of the next label.
-    fn outcome(&mut self, distribution: &[f64], likelihoods: impl Iterator<Item = f64>) {
+    fn outcome(&mut self, distribution: &[f64], likelihoods: impl Iterator<Item = f64> + Clone) {
         let first = self.posteriors.len();
-        self.posteriors.extend(distribution.iter().zip(likelihoods).map(|(b, p)| b * p));
-        let joint = &mut self.posteriors[first..];
-        let total = joint.iter().sum();
-        if total > 0.0 {
-            for entry in joint.iter_mut() {
-                *entry /= total;
-            }
-        }
-        self.most_likely.push(most_likely(joint));
-        self.probabilities.push(total);
+        self.posteriors.extend(distribution);
+        let posterior = &mut self.posteriors[first..];
+        self.probabilities.push(condition(posterior, likelihoods));
+        self.most_likely.push(most_likely(posterior));
     }
 
     /// `P(z | b, v)` of every label.

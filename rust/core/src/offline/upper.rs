@@ -4,15 +4,13 @@
 //! points, position by position, never falls below it. So neither does the fixed point of value iteration that
 //! interpolates, and whatever lies above that: see [`super::value_iteration`].
 
-use nalgebra::DVectorView;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::simplex_grid::{Combination, SimplexGrid};
-use crate::belief::most_likely;
+use crate::belief::{condition, most_likely};
 use crate::index::{Position, Viewpoint};
 use crate::model::{Action, Look, SortingModel};
-use crate::one_object::dot;
 
 /// How fine a grid is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -75,14 +73,13 @@ impl Axis {
     }
 }
 
-/// Probability and posterior of each label of a first look; an impossible one leaves the belief as it is.
+/// Probability and posterior of each label of a look; an impossible one leaves the belief as it is.
 pub(super) fn posteriors(model: &SortingModel, look: Look, belief: &[f64]) -> Vec<(f64, Vec<f64>)> {
-    let posterior = |column: DVectorView<'_, f64>| {
-        let p = dot(belief, column.as_slice());
-        let likelihood = column.iter().map(|o| if p > 0.0 { o / p } else { 1.0 });
-        (p, belief.iter().zip(likelihood).map(|(b, factor)| b * factor).collect())
+    let posterior = |label| {
+        let mut posterior = belief.to_vec();
+        (condition(&mut posterior, model.likelihoods(look, label)), posterior)
     };
-    model.table(look.position, look.viewpoint).column_iter().map(posterior).collect()
+    model.labels().map(posterior).collect()
 }
 
 impl GridBound {

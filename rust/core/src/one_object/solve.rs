@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use super::following::Following;
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::{OneObjectPolicy, dot};
-use crate::belief::most_likely;
-use crate::index::{Class, Position, Viewpoint};
-use crate::model::{Action, SortingModel};
+use crate::belief::{condition, evidence, joint, most_likely};
+use crate::index::{Class, Label, Position, Viewpoint};
+use crate::model::{Action, Look, SortingModel};
 use crate::sampling::{Purpose, invert, stream};
 
 /// Most belief points of point-based value iteration, and the random walks that they are met on.
@@ -154,15 +154,14 @@ impl OneObjectPolicy {
         values: &[DMatrix<f64>],
     ) -> ConditionalPlan {
         let (l, target) = (model.class_count(), self.group(to));
-        let table = model.table(Position(0), to);
-        let belief = DVector::from_column_slice(belief);
+        let look = Look::first(Position(0), to);
         let mut gain = DVector::from_element(l, -model.motion_cost(from, to));
         let mut discount_to = DVector::zeros(self.group_count() * l);
-        for z in 0..l {
-            let weighted = belief.component_mul(&table.column(z));
+        for z in model.labels() {
+            let weighted = DVector::from_iterator(l, joint(belief, model.likelihoods(look, z)));
             let next = &self.plans[target].plans()[(&values[target] * weighted).imax()];
-            for c in 0..l {
-                let weight = model.discount() * table[(c, z)];
+            for (c, p) in model.likelihoods(look, z).enumerate() {
+                let weight = model.discount() * p;
                 gain[c] += weight * next.gain[c];
                 for s in 0..self.group_count() {
                     discount_to[s * l + c] += weight * next.discount_to[s * l + c];
@@ -237,18 +236,18 @@ fn reachable_beliefs(model: &SortingModel) -> Vec<Vec<f64>> {
     let mut points = vec![model.arrival().as_slice().to_vec()];
     for walk in 0..WALKS {
         let mut rng = stream(0, Purpose::Walk, walk);
-        let mut belief = model.arrival().clone();
+        let mut belief = model.arrival().as_slice().to_vec();
         for look in 0..LOOKS_PER_WALK {
             // Some walks see the object only at the belt end, some also on its way there.
             let on_the_way = model.position_count() > 1 && walk % 2 == 1 && look < LOOKS_PER_WALK / 2;
             let position = if on_the_way { rng.random_range(1..model.position_count()) } else { 0 };
             let viewpoint = Viewpoint(rng.random_range(0..model.viewpoint_count()));
-            let table = model.table(Position(position), viewpoint);
-            let z = invert(table.tr_mul(&belief).iter(), rng.random::<f64>());
-            belief.component_mul_assign(&table.column(z));
-            belief /= belief.sum();
-            if points.iter().all(|p| distance(p, belief.as_slice()) > SAME_POINT) {
-                points.push(belief.as_slice().to_vec());
+            let look = Look::first(Position(position), viewpoint);
+            let predicted = model.labels().map(|z| evidence(&belief, model.likelihoods(look, z)));
+            let z = Label(invert(predicted, rng.random::<f64>()));
+            condition(&mut belief, model.likelihoods(look, z));
+            if points.iter().all(|p| distance(p, &belief) > SAME_POINT) {
+                points.push(belief.clone());
             }
         }
         if points.len() >= POINTS {
