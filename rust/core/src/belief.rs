@@ -12,7 +12,7 @@ pub(crate) use memory::Memory;
 
 use crate::error::{Error, Result, argument_error};
 use crate::index::{Class, Label, Position, Viewpoint};
-use crate::model::{Look, SortingModel, distribution};
+use crate::model::{Look, SortingModel, distribution, shift};
 use crate::remaining::Remaining;
 
 /// A row that misses 1 by no more than this is a belief's own, written down: it is taken as it is, to the last bit.
@@ -212,7 +212,8 @@ impl Belief {
     /// The belt advances (eq. 8): beliefs shift by one position, the last starts from the arrival prior. No object is
     /// where it was: last labels are forgotten.
     pub fn advance(&mut self, model: &SortingModel) {
-        shift(model, self.probabilities.as_mut_slice(), &mut self.memory);
+        shift(self.probabilities.as_mut_slice(), model.arrival().as_slice().iter().copied());
+        self.memory.clear();
         self.remaining = self.remaining.after(1);
     }
 
@@ -249,16 +250,6 @@ impl Belief {
             self.shape()
         ))
     }
-}
-
-/// The belt advances (eq. 8).
-#[inline(always)]
-pub(crate) fn shift(model: &SortingModel, probabilities: &mut [f64], memory: &mut Memory) {
-    let l = model.class_count();
-    let behind = probabilities.len() - l;
-    probabilities.copy_within(l.., 0);
-    probabilities[behind..].copy_from_slice(model.arrival().as_slice());
-    memory.clear();
 }
 
 /// The most likely class of a distribution (the first among equals) and its probability.

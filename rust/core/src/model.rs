@@ -4,6 +4,7 @@ mod likelihood;
 mod pomdp;
 mod sets;
 mod spec;
+mod step;
 mod validate;
 
 use std::fmt;
@@ -12,6 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 pub use likelihood::Look;
 pub use spec::{ModelSpec, ScalarOrMatrix, Tables};
+pub(crate) use step::{Step, shift};
 pub(crate) use validate::distribution;
 
 use crate::error::{Result, argument_error, model_error};

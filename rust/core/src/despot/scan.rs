@@ -2,7 +2,7 @@
 
 use crate::bounds::Sighting;
 use crate::index::Viewpoint;
-use crate::model::{Action, SortingModel};
+use crate::model::Step;
 use crate::remaining::Remaining;
 use crate::scenario::LookPoint;
 use crate::tree::Node;
@@ -21,16 +21,11 @@ pub(super) struct Scan {
 }
 
 impl Scan {
-    /// The scan that an action at a node brings, if any.
-    pub(super) fn of(model: &SortingModel, node: &Node, action: Action) -> Option<Self> {
-        let &Node { depth, decisions, viewpoint, remaining, .. } = node;
-        match action {
-            Action::Move(viewpoint) => Some(Self { depth, decisions, viewpoint, remaining }),
-            Action::Decide(_) if model.observes_after_decision() && !remaining.after(1).is_over() => {
-                Some(Self { depth, decisions: decisions + 1, viewpoint, remaining: remaining.after(1) })
-            }
-            Action::Decide(_) => None,
-        }
+    /// The scan that a step from a node brings, if any.
+    pub(super) fn of(node: &Node, step: Step) -> Option<Self> {
+        let decisions = node.decisions + usize::from(step.advances());
+        let remaining = step.remaining;
+        step.scan.map(|viewpoint| Self { depth: node.depth, decisions, viewpoint, remaining })
     }
 
     /// One of its looks.

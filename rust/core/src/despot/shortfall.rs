@@ -15,7 +15,7 @@ use rand::RngExt;
 use crate::belief::{Belief, entropy};
 use crate::bounds::{self, Foresight, Look};
 use crate::index::{Label, Position, Viewpoint};
-use crate::model::SortingModel;
+use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
 use crate::remaining::Remaining;
 use crate::sampling::{Purpose, invert, stream};
@@ -135,20 +135,24 @@ impl<'a> Walk<'a> {
     /// Note where the walk stands, and go on.
     fn step(&mut self) -> Visit {
         let here = self.prospect(&self.belief);
-        let actions = self.actions();
+        let decide = Action::Decide(self.belief.most_likely(Position(0)).0);
+        let moves = self.model.legal_moves(self.viewpoint).iter().map(|to| Action::Move(*to));
+        let actions: Vec<_> = std::iter::once(decide).chain(moves).collect();
+        let promises: Vec<_> =
+            actions.iter().enumerate().map(|(index, action)| self.promise(index, *action)).collect();
         let worth = |(reward, next): &(f64, Prospect)| reward + self.model.discount() * next.value;
-        let best = (0..actions.len()).max_by(|a, b| worth(&actions[*a]).total_cmp(&worth(&actions[*b])));
+        let best = (0..promises.len()).max_by(|a, b| worth(&promises[*a]).total_cmp(&worth(&promises[*b])));
         let explores = self.rng.random::<f64>() < EXPLORATION;
         let chosen = if explores { self.rng.random_range(0..actions.len()) } else { best.unwrap_or(0) };
-        if chosen == 0 {
+        let step = self.model.step(actions[chosen], self.viewpoint, Remaining::ENDLESS);
+        if step.advances() {
             self.belief.advance(self.model);
-        } else {
-            self.viewpoint = self.model.legal_moves(self.viewpoint)[chosen - 1];
         }
-        if chosen > 0 || self.model.observes_after_decision() {
+        self.viewpoint = step.viewpoint;
+        if step.scan.is_some() {
             self.observe(chosen);
         }
-        Visit { here, actions }
+        Visit { here, actions: promises }
     }
 
     fn prospect(&self, belief: &Belief) -> Prospect {
@@ -168,23 +172,17 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Reward of each action, and what it promises: the best decision, then the moves.
-    fn actions(&mut self) -> Vec<(f64, Prospect)> {
-        let (model, viewpoint, belief) = (self.model, self.viewpoint, self.belief.clone());
-        let mut advanced = belief.clone();
-        advanced.advance(model);
-        let reward = model.decision_reward(belief.most_likely(Position(0)).1);
-        let mut actions = vec![if model.observes_after_decision() {
-            let (bonus, next) = self.scanned(0, viewpoint, &advanced);
-            (reward + bonus, next)
-        } else {
-            (reward, self.prospect(&advanced))
-        }];
-        for (index, &to) in model.legal_moves(viewpoint).iter().enumerate() {
-            let (bonus, next) = self.scanned(index + 1, to, &belief);
-            actions.push((bonus - model.motion_cost(viewpoint, to), next));
+    /// Reward of an action, and what it promises.
+    fn promise(&mut self, index: usize, action: Action) -> (f64, Prospect) {
+        let (model, mut belief) = (self.model, self.belief.clone());
+        let step = model.step(action, self.viewpoint, Remaining::ENDLESS);
+        let reward = model.expected_reward(&step, belief.position(Position(0)).as_slice());
+        if step.advances() {
+            belief.advance(model);
         }
-        actions
+        let Some(from) = step.scan else { return (reward, self.prospect(&belief)) };
+        let (bonus, next) = self.scanned(index, from, &belief);
+        (reward + bonus, next)
     }
 
     /// The bonus of a scan, and what is expected to be promised after it.

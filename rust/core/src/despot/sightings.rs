@@ -9,7 +9,7 @@ use super::scan::Scan;
 use crate::belief::{Belief, Memory};
 use crate::bounds::Sighting;
 use crate::index::{Label, Position, Viewpoint};
-use crate::model::{Action, SortingModel};
+use crate::model::{Action, SortingModel, shift};
 use crate::remaining::Remaining;
 use crate::tree::{Node, Object, id, seen};
 
@@ -26,14 +26,13 @@ pub(super) fn act(
     (node, action): (&Node, Action),
     objects: &mut Vec<Object>,
 ) -> Option<Scan> {
-    if let Action::Decide(_) = action {
-        objects.remove(0);
-        let unseen = model.position_count();
-        if node.remaining.after(1).visible(unseen) > objects.len() {
-            objects.push(Object { look: 0, label: id(unseen) });
-        }
+    let step = model.step(action, node.viewpoint, node.remaining);
+    if step.advances() {
+        let positions = model.position_count();
+        shift(objects, std::iter::once(Object { look: 0, label: id(positions) }));
+        objects.truncate(step.remaining.visible(positions));
     }
-    Scan::of(model, node, action)
+    Scan::of(node, step)
 }
 
 /// The looks that a search has needed so far; an [`Object`] is a label of one of them.

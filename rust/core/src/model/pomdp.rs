@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::SortingModel;
+use super::{SortingModel, shift};
 use crate::error::{Error, Result, model_error};
 use crate::index::{Class, Label, Viewpoint};
 
@@ -126,8 +126,7 @@ impl<'a> Flat<'a> {
             let arriving = self.model.classes().zip(self.model.arrival());
             for (class, &p) in arriving.filter(|(_, p)| **p > 0.0) {
                 let mut next = state.clone();
-                next.classes.rotate_left(1);
-                next.classes[state.classes.len() - 1] = class;
+                shift(&mut next.classes, std::iter::once(class));
                 writeln!(out, "T: {action} : {name} : {} {}", self.name(&next), number(p))?;
             }
             let right = f64::from(u8::from(state.classes[0] == decided));

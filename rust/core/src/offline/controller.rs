@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVectorView, RowDVector};
 use rayon::prelude::*;
 
 use super::alpha::{AlphaVectors, joint};
-use super::graph::{BeliefGraph, place};
+use super::graph::{BeliefGraph, Followed, place};
 use super::neighbourhoods::{Candidates, good_policies};
 use super::reach::Reach;
 use crate::index::{Class, Viewpoint};
@@ -27,6 +27,14 @@ const BLOCK: usize = 1024;
 /// Nodes whose values become policies to continue with anywhere.
 const SAMPLE: usize = 2500;
 
+/// What is done at a node.
+struct NodeAction {
+    action: Action,
+    reward: f64,
+    /// Where the rows that it leads to end, those of the node before being their start.
+    end: usize,
+}
+
 /// The graph's nodes as far as the policy reaches them.
 pub(super) struct Controller<'a> {
     model: &'a SortingModel,
@@ -36,8 +44,8 @@ pub(super) struct Controller<'a> {
     values: Vec<f64>,
     /// Row of each node of the graph that is reached; of a leaf, that of the policy it continues with.
     rows: Vec<u32>,
-    /// What is done at each node of the interior, its reward, and where the rows it leads to end.
-    steps: Vec<(Action, f64, usize)>,
+    /// By node of the interior.
+    steps: Vec<NodeAction>,
     successors: Vec<u32>,
     /// Per viewpoint, see [`discounted_likelihoods`].
     likelihoods: Vec<Vec<Vec<f64>>>,
@@ -100,9 +108,10 @@ impl<'a> Controller<'a> {
     fn link(&mut self) {
         self.steps.clear();
         self.successors.clear();
-        for step in self.reach.interior.iter().filter_map(|node| self.graph.followed(*node)) {
-            self.successors.extend(step.children.iter().map(|child| self.rows[*child as usize]));
-            self.steps.push((step.action, step.reward, self.successors.len()));
+        let followed = self.reach.interior.iter().filter_map(|node| self.graph.followed(*node));
+        for Followed { action, reward, children, .. } in followed {
+            self.successors.extend(children.iter().map(|child| self.rows[*child as usize]));
+            self.steps.push(NodeAction { action, reward, end: self.successors.len() });
         }
     }
 
@@ -180,8 +189,9 @@ impl<'a> Controller<'a> {
 
     /// One row of S X.
     fn back_up(&self, row: usize, backed_up: &mut [f64]) {
-        let (action, reward, end) = self.steps[row];
-        let successors = &self.successors[if row == 0 { 0 } else { self.steps[row - 1].2 }..end];
+        let NodeAction { action, reward, end } = self.steps[row];
+        let start = if row == 0 { 0 } else { self.steps[row - 1].end };
+        let successors = &self.successors[start..end];
         match action {
             Action::Decide(class) => self.back_up_decision(class, self.row(successors[0]), backed_up),
             Action::Move(to) => {

@@ -10,11 +10,11 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::LeafBounds;
-use super::objects::{ObjectId, Objects};
+use super::objects::{ARRIVING, ObjectId, Objects};
 use crate::belief::most_likely;
 use crate::bounds;
-use crate::index::{Position, Viewpoint};
-use crate::model::{Action, SortingModel};
+use crate::index::Viewpoint;
+use crate::model::{Action, SortingModel, Step, shift};
 use crate::remaining::Remaining;
 
 /// Nodes of the graph up to 16 joint classes, fewer beyond; each takes about 300 bytes, its actions and its value as a
@@ -44,8 +44,8 @@ impl Arm {
     }
 }
 
-/// An action with what it leads to.
-pub(super) struct Step<'a> {
+/// An action that is followed, with what it leads to.
+pub(super) struct Followed<'a> {
     pub action: Action,
     pub reward: f64,
     pub children: &'a [NodeId],
@@ -116,11 +116,11 @@ impl<'a> BeliefGraph<'a> {
         (belief, self.leaves.policy.representative(places[0] as usize))
     }
 
-    /// The step with the highest upper bound; none if the graph ends here.
-    pub(super) fn followed(&self, node: NodeId) -> Option<Step<'_>> {
+    /// The action with the highest upper bound; none if the graph ends here.
+    pub(super) fn followed(&self, node: NodeId) -> Option<Followed<'_>> {
         let best = self.best_arm(node)?;
         let arm = &self.arms[best];
-        (arm.start < arm.end).then(|| Step {
+        (arm.start < arm.end).then(|| Followed {
             action: self.action(node, best - self.first_arm[node as usize] as usize),
             reward: arm.reward,
             children: &self.children[arm.children()],
@@ -192,10 +192,7 @@ impl<'a> BeliefGraph<'a> {
         let rows = outcomes.places.chunks_exact(self.stride()).zip(&outcomes.probabilities);
         let possible = rows.filter(|(_, p)| **p > 0.0);
         let expected: f64 = possible.map(|(places, p)| p * self.leaf_bound(places)).sum();
-        let reward = match self.action(node, arm) {
-            Action::Decide(class) => self.model.decision_reward(self.belief_at_end(node)[class.0]),
-            Action::Move(to) => -self.model.motion_cost(self.viewpoint(node), to),
-        };
+        let reward = self.model.expected_reward(&self.step(node, arm), self.belief_at_end(node));
         let upper = reward + self.model.discount() * expected;
         self.arms.push(Arm { reward, upper, start: 0, end: 0 });
     }
@@ -207,28 +204,30 @@ impl<'a> BeliefGraph<'a> {
         }
     }
 
+    fn step(&self, node: NodeId, arm: usize) -> Step {
+        self.model.step(self.action(node, arm), self.viewpoint(node), Remaining::ENDLESS)
+    }
+
     fn belief_at_end(&self, node: NodeId) -> &[f64] {
-        self.objects.belief(self.object(node, Position(0)))
+        self.objects.belief(self.places_of(node)[1])
     }
 
     fn outcomes(&mut self, node: NodeId, arm: usize) -> Outcomes {
-        let Action::Move(to) = self.action(node, arm) else {
-            let places = self.places_of(node);
-            let arrival: ObjectId = 0;
-            let places = [&places[..1], &places[2..], &[arrival]].concat();
-            return Outcomes { places, probabilities: vec![1.0] };
+        let step = self.step(node, arm);
+        let group = place(self.leaves.policy.group(step.viewpoint));
+        let mut objects = self.places_of(node)[1..].to_vec();
+        if step.advances() {
+            shift(&mut objects, std::iter::once(ARRIVING));
+        }
+        let Some(from) = step.scan else {
+            return Outcomes { places: [&[group], &objects[..]].concat(), probabilities: vec![1.0] };
         };
-        let mut rows =
-            Outcomes { places: vec![place(self.leaves.policy.group(to))], probabilities: vec![1.0] };
-        for j in self.model.positions() {
-            let look = self.objects.look(self.object(node, j), j, to);
+        let mut rows = Outcomes { places: vec![group], probabilities: vec![1.0] };
+        for (j, object) in self.model.positions().zip(objects) {
+            let look = self.objects.look(object, j, from);
             rows = rows.with(1 + j.0, self.objects.outcomes(look));
         }
         rows
-    }
-
-    fn object(&self, node: NodeId, position: Position) -> ObjectId {
-        self.places_of(node)[1 + position.0]
     }
 
     fn stride(&self) -> usize {

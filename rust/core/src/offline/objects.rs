@@ -17,7 +17,10 @@ const NONE: u32 = u32::MAX;
 /// A belief about one object.
 pub(super) type ObjectId = u32;
 
-/// All of them; object 0 is an arriving one.
+/// An arriving one.
+pub(super) const ARRIVING: ObjectId = 0;
+
+/// All of them.
 pub(super) struct Objects<'a> {
     model: &'a SortingModel,
     grid: Option<&'a GridBound>,
@@ -43,7 +46,8 @@ impl<'a> Objects<'a> {
             outcomes: Vec::new(),
             known: HashMap::new(),
         };
-        objects.id(model.arrival().as_slice());
+        let arriving = objects.id(model.arrival().as_slice());
+        debug_assert_eq!(arriving, ARRIVING);
         objects
     }
 

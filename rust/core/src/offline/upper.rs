@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::simplex_grid::{Combination, SimplexGrid};
 use crate::belief::{condition, most_likely};
 use crate::index::{Position, Viewpoint};
-use crate::model::{Action, Look, SortingModel};
+use crate::model::{Action, Look, SortingModel, shift};
+use crate::remaining::Remaining;
 
 /// How fine a grid is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -137,19 +138,20 @@ impl GridBound {
         viewpoint: Viewpoint,
         action: Action,
     ) -> f64 {
+        let step = model.step(action, viewpoint, Remaining::ENDLESS);
         let l = model.class_count();
-        match action {
-            Action::Decide(class) => {
-                let advanced = [&belief[l..], model.arrival().as_slice()].concat();
-                model.decision_reward(belief[class.0]) + model.discount() * self.value(&advanced)
-            }
-            Action::Move(to) => {
-                let look = |position| Look::first(Position(position), to);
-                let first = self.axis.observed(model, look(0), &belief[..l]);
-                let second = self.behind(belief, |b| self.axis.observed(model, look(1), b));
-                model.discount() * self.mixture(&first, &second) - model.motion_cost(viewpoint, to)
-            }
+        let mut next = belief.to_vec();
+        if step.advances() {
+            shift(&mut next, model.arrival().as_slice().iter().copied());
         }
+        let expected = step.scan.map_or_else(
+            || self.value(&next),
+            |from| {
+                let observed = |j, b: &[f64]| self.axis.observed(model, Look::first(Position(j), from), b);
+                self.mixture(&observed(0, &next[..l]), &self.behind(&next, |b| observed(1, b)))
+            },
+        );
+        model.expected_reward(&step, &belief[..l]) + model.discount() * expected
     }
 
     fn behind(&self, belief: &[f64], combination: impl Fn(&[f64]) -> Combination) -> Combination {

@@ -8,7 +8,7 @@ use super::{EvaluationConfig, TrueClasses};
 use crate::belief::{Belief, Memory};
 use crate::error::{Error, Result};
 use crate::index::{Class, Position, Viewpoint};
-use crate::model::{Action, SortingModel};
+use crate::model::{Action, SortingModel, Step, shift};
 use crate::policy::Policy;
 use crate::sampling::{Purpose, invert, label, stream};
 
@@ -61,25 +61,21 @@ impl<'a> Batch<'a> {
             outcome: Outcome::default(),
         };
         for _ in 0..model.position_count() {
-            this.arrive();
+            let object = this.arriving();
+            this.objects.push(object);
         }
         this
     }
 
     /// Sort the batch.
     pub(super) fn run(mut self, policy: &dyn Policy) -> Result<Outcome> {
-        for _ in 0..self.config.batch_size {
-            loop {
-                let action = self.choose(policy)?;
-                self.book_regret(action)?;
-                match action {
-                    Action::Move(to) => self.look_from(to)?,
-                    Action::Decide(class) => {
-                        self.decide(class)?;
-                        break;
-                    }
-                }
-            }
+        let mut decisions = 0;
+        while decisions < self.config.batch_size {
+            let action = self.choose(policy)?;
+            self.book_regret(action)?;
+            let step = self.model.step(action, self.viewpoint, self.belief.horizon());
+            self.take(step)?;
+            decisions += usize::from(step.advances());
         }
         Ok(self.outcome)
     }
@@ -107,25 +103,22 @@ impl<'a> Batch<'a> {
         )))
     }
 
-    fn look_from(&mut self, viewpoint: Viewpoint) -> Result<()> {
-        let cost = self.model.motion_cost(self.viewpoint, viewpoint);
-        self.viewpoint = viewpoint;
-        self.book(-cost, -cost, self.belief.bonus(self.model, viewpoint));
-        self.scan()
-    }
-
-    fn decide(&mut self, class: Class) -> Result<()> {
-        let right = self.objects[0].class == class;
-        self.outcome.correct += u64::from(right);
-        let reward = self.model.decision_reward(f64::from(u8::from(right)));
-        let expected = self.model.decision_reward(self.belief.position(Position(0))[class.0]);
-        self.advance();
-        if !self.model.observes_after_decision() {
-            self.book(reward, expected, 0.0);
-            return Ok(());
+    /// Take a step, and the scan that follows.
+    fn take(&mut self, step: Step) -> Result<()> {
+        let expected = self.model.expected_reward(&step, self.belief.position(Position(0)).as_slice());
+        let mut reward = expected;
+        if let Some(class) = step.decided {
+            let right = self.objects[0].class == class;
+            self.outcome.correct += u64::from(right);
+            reward = self.model.decision_reward(f64::from(u8::from(right)));
         }
-        self.book(reward, expected, self.belief.bonus(self.model, self.viewpoint));
-        self.scan()
+        self.viewpoint = step.viewpoint;
+        if step.advances() {
+            self.advance();
+        }
+        let bonus = step.scan.map_or(0.0, |from| self.belief.bonus(self.model, from));
+        self.book(reward, expected, bonus);
+        if step.scan.is_some() { self.scan() } else { Ok(()) }
     }
 
     /// One label of every visible object, from where the camera stands.
@@ -146,8 +139,8 @@ impl<'a> Batch<'a> {
     }
 
     fn advance(&mut self) {
-        self.objects.remove(0);
-        self.arrive();
+        let arriving = self.arriving();
+        shift(&mut self.objects, std::iter::once(arriving));
         self.belief.advance(self.model);
         self.given.clear();
     }
@@ -173,7 +166,8 @@ impl<'a> Batch<'a> {
         self.discount *= self.model.discount();
     }
 
-    fn arrive(&mut self) {
+    /// The next object on the belt.
+    fn arriving(&mut self) -> Object {
         let mut rng =
             stream(self.config.seed, Purpose::Object, (self.index as u64) << 31 | self.arrived as u64);
         let u = rng.random::<f64>();
@@ -187,6 +181,6 @@ impl<'a> Batch<'a> {
             TrueClasses::Given(rows) => rows[self.index].get(self.arrived).copied().unwrap_or_default(),
         };
         self.arrived += 1;
-        self.objects.push(Object { class, rng, looks: 0, impossible: 0 });
+        Object { class, rng, looks: 0, impossible: 0 }
     }
 }
