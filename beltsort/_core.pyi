@@ -20,6 +20,7 @@ __all__ = [
     "InformationGain",
     "ModelError",
     "Move",
+    "LookAhead",
     "OneObject",
     "Plan",
     "PolicyError",
@@ -196,6 +197,7 @@ class Despot:
         regularization: float | None = None,
         depth: int | None = None,
         solution: Solution | None = None,
+        variant: Literal["beliefs", "scenarios"] = "beliefs",
     ) -> Despot: ...
     @property
     def model(self) -> SortingModel: ...
@@ -236,6 +238,13 @@ class Threshold:
 @final
 class InformationGain:
     def __new__(cls, model: SortingModel, threshold: float, positions: int = 1) -> InformationGain: ...
+    @property
+    def model(self) -> SortingModel: ...
+    def act(self, belief: Belief, viewpoint: int) -> Move | Decide: ...
+
+@final
+class LookAhead:
+    def __new__(cls, model: SortingModel, depth: int = 1, *, scenarios: int = 500, seed: int = 0) -> LookAhead: ...
     @property
     def model(self) -> SortingModel: ...
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide: ...

@@ -227,11 +227,6 @@ impl Belief {
         self.remaining
     }
 
-    /// The last labels.
-    pub(crate) fn memory(&self) -> &Memory {
-        &self.memory
-    }
-
     /// Check that this belief has the model's shape, and that there is something to plan for.
     ///
     /// # Errors

@@ -1,16 +1,10 @@
 //! Bounds of the value at an exact belief, and what a scan is worth before its labels are told apart.
 
-mod foresight;
-mod look;
-
 use crate::belief::most_likely;
 use crate::index::Viewpoint;
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
 use crate::remaining::Remaining;
-
-pub(crate) use foresight::Foresight;
-pub(crate) use look::{Look, Sighting, looks};
 
 /// Lower bound of V*: the value of executing the one-object policy (see [`OneObjectPolicy`]), any bonus left aside.
 ///

@@ -1,199 +1,238 @@
-//! DESPOT: online planning in a tree that is determinised by scenarios.
+//! DESPOT as published: Ye, Somani, Hsu & Lee, "DESPOT: Online POMDP planning with regularization" (JAIR 58, 2017),
+//! the anytime, regularised one (AR-DESPOT).
 //!
-//! Follows Ye, Somani, Hsu & Lee, "DESPOT: Online POMDP planning with regularization" (JAIR 58, 2017), with the
-//! structure of the sorting problem put to use:
+//! The search knows only its scenarios, drawn from the exact belief at the root: rewards are averages over the
+//! scenarios of a node, and a branch weighs its share of them, `|Phi_b'| / |Phi_b|`. [`crate::BeliefSearch`] is another
+//! planner, with exact beliefs.
 //!
-//! * All decisions lead to the same next belief, so inside the search there is one `Decide`, with the most likely
-//!   label: L + K actions become K + 1.
-//! * The belief at a node is known exactly. Scenarios only choose *which* label vectors get a branch; a branch
-//!   weighs its exact probability `P(z | b, v)` and rewards are expectations under the exact belief.
-//! * The mass of labels that no scenario gives is not dropped: it follows the default policy (one-object plans
-//!   chosen per label, [`crate::bounds::Foresight`]).
+//! | paper | here |
+//! |---|---|
+//! | scenario `phi`, simulative model `g(s, a, phi)` | [`Scenarios`], [`Step`] |
+//! | node `b` with `Phi_b`, `l_0`, `l`, `mu`, `U`, `Delta` | [`tree::Node`]; its values are weighted by `gamma^Delta(b) \|Phi_b\| / K` as there |
+//! | Algorithm 1, BUILD-DESPOT | [`Search::build_despot`]; lines 1-3 are [`Search::begin`] |
+//! | Algorithm 2, EXPLORE | [`Search::explore`] |
+//! | its line 3, expand `b` | [`Search::make_children`]; `U`, `L_0`, `mu`, `l` of a new node: [`Search::initialise`] |
+//! | its lines 4 and 5, `a*` and `z*` | [`Search::most_promising`], [`Search::most_uncertain`] |
+//! | weighted excess uncertainty `E(b)` | [`Search::excess_uncertainty`] |
+//! | Algorithm 3, MAKE-DEFAULT | [`Search::make_default`]; at depth D by [`Search::initialise`] |
+//! | Algorithm 4, PRUNE; its line 3, blocked nodes | [`Search::prune`]; [`Search::is_blocked`] |
+//! | Algorithm 5, BACKUP | [`Search::backup`] |
+//! | `L_0`, roll-out of the default policy; `U_0`, fully observable | [`Bounds::default_policy`]; [`Bounds::upper`] |
 //!
-//! The optimum of this problem is the value of a policy that can be executed; so with regularisation 0 the
-//! search's lower bound never exceeds V*.
+//! What is not in the paper:
 //!
-//! The action is chosen by a third value, an estimate: the lower bound plus what the default policy is expected to
-//! fall short by ([`shortfall`]). Lower bounds rise where the search has looked deeper; estimates do so only
-//! where looking deeper has found more than it finds on average. They are cut by upper bounds of V* alone: that of the
-//! sampled problem falls below V* wherever scenarios run out, first where most was searched.
-//!
-//! Leaves are expanded in batches whose size depends on the trials done alone, and a batch is chosen while the one before
-//! it is being expanded, however many threads there are: so they share the work without a say in the result.
+//! * All decisions lead to the same scenarios, so inside the search there is one, for the class most frequent among
+//!   them. That is the only use made of the problem's structure.
+//! * The default policy's roll-outs are not simulated: it is valued in closed form on the class histograms of a node's
+//!   scenarios, objects that have still to arrive by the model alone. So only expansions count as scenario steps.
+//! * A set of scenarios is a bit plane of which only words with any bits are kept; an observation branch is an AND
+//!   with the plane of a label, a class histogram counts bits.
+//! * The root is expanded whatever the budget, so that every legal action has a value.
+//! * The first trials are those of Algorithm 1. Later ones come in [batches](batch) that threads share, with a virtual loss
+//!   as in HyP-DESPOT (Cai, Luo, Hsu & Lee, RSS 2018). The size of a batch depends on the trials done alone: a plan is
+//!   bit by bit the same for any number of threads.
 
-mod branch;
-mod budgeted;
-mod config;
-mod expand;
-mod explain;
-mod frontier;
-mod histories;
-mod objects;
+mod batch;
+mod bounds;
 mod plan;
-mod scan;
-mod search;
-mod shortfall;
-mod sightings;
-mod stopping;
-mod workspace;
-
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+mod step;
+mod tree;
 
 use crate::belief::Belief;
-use crate::error::Result;
-use crate::index::Viewpoint;
-use crate::model::SortingModel;
-use crate::offline::{Certificate, Solution};
-use crate::one_object::OneObjectPolicy;
+use crate::index::{Position, Viewpoint};
+use crate::model::{Action, SortingModel};
+use crate::planes;
 use crate::remaining::Remaining;
-use crate::scenario::Randoms;
-use crate::tree::Values;
+use crate::scenario::Scenarios;
+use bounds::{Bounds, Histogram};
+pub use plan::{BudgetedDespot, Despot};
+use step::{MakeChildren, Scratch, Step, count};
+use tree::{EdgeId, Node, NodeId, ROOT, Tree, Values, Word, first_best};
 
-pub use budgeted::BudgetedDespot;
-pub use config::{Budget, DespotConfig};
-pub use explain::{TreeAction, TreeBranch, TreeNode};
-pub use plan::Plan;
-use search::Search;
-use shortfall::{Prospect, Shortfall};
-use stopping::Clock;
-use workspace::Pool;
+/// `xi`: the part of the root's gap that one trial tries to leave.
+const XI: f64 = 0.95;
+/// `epsilon_0`: the root's gap at which the search ends, in units of `r_max`.
+const EPSILON: f64 = 1e-10;
+/// Trials that are made one by one, and then one more at once for so many more.
+const ALONE: u64 = 16;
+/// Trials made at once at most.
+const MOST_AT_ONCE: u64 = 64;
 
-/// A search that nobody stops.
-static NEVER: AtomicBool = AtomicBool::new(false);
-
-/// The planner: a model, its default policy and the settings of the search. A clone shares memory, not plans.
-#[derive(Debug, Clone)]
-pub struct Despot {
-    model: Arc<SortingModel>,
-    default_policy: OneObjectPolicy,
-    config: DespotConfig,
-    /// Planner steps to look ahead.
+/// A search in progress; what it grows is a [`Tree`].
+struct Search<'a> {
+    model: &'a SortingModel,
+    bounds: &'a Bounds,
+    scenarios: Scenarios<'a>,
+    /// Objects left to decide at the root.
+    remaining: Remaining,
+    /// `lambda`: price of a policy node.
+    lambda: f64,
+    /// `D`: nodes as deep as this are leaves.
     depth: usize,
     /// Discount down to each depth.
-    discounts: Vec<f64>,
-    shortfall: Shortfall,
-    /// For plans' certificates; the search has bounds of its own.
-    certificate: Option<Certificate>,
-    randoms: Arc<Randoms>,
-    pool: Pool,
+    discounts: &'a [f64],
+    parallel: bool,
+    out_of_time: &'a (dyn Fn() -> bool + Sync),
 }
 
-impl Despot {
-    /// Prepare to plan: solves the one-object problem.
-    ///
-    /// # Errors
-    /// [`crate::Error::Argument`] for no scenarios or more than a million, a negative or infinite regularisation,
-    /// depth 0, or so many label vectors (L^H) that they cannot be numbered.
-    pub fn new(model: &SortingModel, config: DespotConfig) -> Result<Self> {
-        config.check(model)?;
-        Ok(Self::prepared(model, OneObjectPolicy::solve(model), Certificate::coarse(model), config))
+impl Search<'_> {
+    /// BUILD-DESPOT: trials until the root's bounds meet, or the budget is spent; how many.
+    fn build_despot(&self, despot: &mut Tree, branches: &mut Vec<Tree>, trials: u64) -> u64 {
+        let mut done = 0;
+        while !self.is_settled(despot) && done < trials && !(self.out_of_time)() {
+            let at_once = (done / ALONE).clamp(1, MOST_AT_ONCE).min(trials - done);
+            match self.make_trials(despot, branches, at_once) {
+                0 => break,
+                more => done += more,
+            }
+        }
+        done
     }
 
-    /// Prepare to plan with what a solution knows: at once, and with certificates as tight as its bounds.
-    ///
-    /// # Errors
-    /// As [`Despot::new`], and for the solution of another model.
-    pub fn with_solution(model: &SortingModel, solution: &Solution, config: DespotConfig) -> Result<Self> {
-        config.check(model)?;
-        solution.check_solves(model)?;
-        Ok(Self::prepared(model, solution.one_object().clone(), solution.certificate(), config))
+    /// Whether the root's bounds have met.
+    fn is_settled(&self, despot: &Tree) -> bool {
+        despot[ROOT].gap() <= EPSILON * self.model.spec().r_max
     }
 
-    fn prepared(
-        model: &SortingModel,
-        default_policy: OneObjectPolicy,
-        certificate: Option<Certificate>,
-        config: DespotConfig,
-    ) -> Self {
-        let depth = config.depth_for(model);
-        let power = |previous: &f64| Some(previous * model.discount());
-        Self {
-            shortfall: Shortfall::fitted(model, &default_policy),
-            certificate,
-            model: Arc::new(model.clone()),
-            default_policy,
-            depth,
-            discounts: std::iter::successors(Some(1.0), power).take(depth + 2).collect(),
-            randoms: Arc::new(Randoms::new(config.seed, config.scenarios, model.position_count(), depth)),
-            config,
-            pool: Pool::default(),
+    /// The root with all its scenarios, and its actions.
+    fn begin(&self, despot: &mut Tree, belief: &Belief, viewpoint: Viewpoint) {
+        despot.restart(self.model, belief);
+        let fresh = self.model.viewpoints().all(|v| belief.last_label(self.model, Position(0), v).is_none());
+        let all: Vec<Word> = (0..).zip(planes::first(self.scenarios.count())).collect();
+        let root = Node { viewpoint, fresh, count: count(&all), ..Node::default() };
+        despot.add_node(self.initialise(root, &all, &mut Default::default()), &all);
+        self.make_children(despot, ROOT);
+    }
+
+    /// EXPLORE: down to where no uncertainty is in excess; or to a leaf only, if nothing may `grow`.
+    fn explore(&self, despot: &mut Tree, target: f64, grow: bool) -> NodeId {
+        let mut b = ROOT;
+        while self.excess_uncertainty(&despot[b], target) > 0.0 && !self.prune(despot, b) {
+            if despot[b].is_leaf() {
+                if !grow {
+                    break;
+                }
+                self.make_children(despot, b);
+            }
+            let a = Self::most_promising(despot, b);
+            let Some(next) = a.and_then(|a| self.most_uncertain(despot, a, target)) else { break };
+            b = next;
+        }
+        b
+    }
+
+    /// `a*`: the action with the highest upper bound.
+    fn most_promising(despot: &Tree, b: NodeId) -> Option<EdgeId> {
+        first_best(despot[b].edges(), |a| despot[a].values.upper)
+    }
+
+    /// `z*`: the child with the largest excess uncertainty.
+    fn most_uncertain(&self, despot: &Tree, a: EdgeId, target: f64) -> Option<NodeId> {
+        first_best(despot[a].children(), |child| self.excess_uncertainty(&despot[child], target))
+    }
+
+    /// `E(b)`: the gap beyond the share of the root's that the scenarios of `b` have in the target.
+    fn excess_uncertainty(&self, b: &Node, target: f64) -> f64 {
+        b.gap() - f64::from(b.count) / self.scenarios.count() as f64 * target
+    }
+
+    /// PRUNE: make blocked nodes default, from `b` upwards; whether there were any.
+    fn prune(&self, despot: &mut Tree, b: NodeId) -> bool {
+        let mut x = Some(b);
+        while let Some(blocked) = x.filter(|x| self.is_blocked(despot, *x)) {
+            Self::make_default(&mut despot[blocked]);
+            self.backup(despot, blocked);
+            despot.tally.pruned += 1;
+            x = despot.parent(blocked);
+        }
+        x != Some(b)
+    }
+
+    /// Whether somewhere above, no policy that comes here gains more than its nodes down to here cost.
+    fn is_blocked(&self, despot: &Tree, x: NodeId) -> bool {
+        let gains = despot.path(x).map(|above| above.values.utility - above.default);
+        let gains = gains.chain(despot.above.iter().copied());
+        self.lambda > 0.0 && gains.zip(1_u32..).any(|(gain, nodes)| gain <= self.lambda * f64::from(nodes))
+    }
+
+    /// MAKE-DEFAULT: below `b`, only the default policy.
+    fn make_default(b: &mut Node) {
+        b.values = Values::all(b.default);
+        b.settled = true;
+    }
+
+    /// BACKUP: Bellman's equation for `l`, `mu` and `U` on the path from `b` to the root.
+    fn backup(&self, despot: &mut Tree, mut b: NodeId) {
+        while let Some(a) = despot[b].parent {
+            self.sum_children(despot, a);
+            b = despot[a].from;
+            Self::take_best(despot, b);
         }
     }
 
-    /// The model planned for.
-    #[must_use]
-    pub fn model(&self) -> &SortingModel {
-        &self.model
+    /// Values of an action: its reward and those of its children.
+    fn sum_children(&self, despot: &mut Tree, a: EdgeId) {
+        let reward = despot[a].reward;
+        let start = Values { lower: reward - self.lambda, upper: reward - self.lambda, utility: reward };
+        despot[a].values = despot[a].children().fold(start, |sum, child| sum.plus(despot[child].values));
     }
 
-    /// The settings.
-    #[must_use]
-    pub fn config(&self) -> &DespotConfig {
-        &self.config
+    /// Values of a node: those of its best action, or the default policy's.
+    fn take_best(despot: &mut Tree, b: NodeId) {
+        if !despot[b].settled {
+            let default = Values::all(despot[b].default);
+            despot[b].values = despot[b].edges().fold(default, |best, a| best.max(despot[a].values));
+        }
     }
 
-    /// Plan the next action on this thread.
-    ///
-    /// # Errors
-    /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model, or the budget is zero.
-    pub fn plan(&self, belief: &Belief, viewpoint: Viewpoint, budget: Budget) -> Result<Plan> {
-        self.plan_until(belief, viewpoint, budget, false, &NEVER)
+    /// Expand `b`, compiled for the CPU at hand.
+    fn make_children(&self, despot: &mut Tree, b: NodeId) {
+        pulp::Arch::new().dispatch(MakeChildren { search: self, despot, b });
     }
 
-    /// Plan the next action with all threads of the current rayon pool: the same plan, sooner.
-    ///
-    /// # Errors
-    /// As [`Despot::plan`].
-    pub fn plan_in_parallel(&self, belief: &Belief, viewpoint: Viewpoint, budget: Budget) -> Result<Plan> {
-        self.plan_until(belief, viewpoint, budget, true, &NEVER)
-    }
-
-    /// Plan until the budget is spent or `stop` is set: what was found up to then.
-    ///
-    /// # Errors
-    /// As [`Despot::plan`].
-    pub fn plan_until(
-        &self,
-        belief: &Belief,
-        viewpoint: Viewpoint,
-        budget: Budget,
-        parallel: bool,
-        stop: &AtomicBool,
-    ) -> Result<Plan> {
-        belief.check_fits(&self.model)?;
-        self.model.check_viewpoint(viewpoint)?;
-        budget.check()?;
-        let clock = Clock::started(budget, stop);
-        let certified_upper = self.certified_upper(belief.known(), viewpoint);
-        let mut search = Search { despot: self, space: self.pool.lease(), clock, parallel };
-        search.run(belief, viewpoint);
-        Ok(search.into_plan(certified_upper))
-    }
-
-    /// The factor between a belief's own values and the scaled ones of the tree.
+    /// Each action is simulated in all scenarios of `b`.
     #[inline(always)]
-    fn scale(&self, depth: usize, probability: f64) -> f64 {
-        probability * self.discounts[depth]
+    fn simulate_actions(&self, despot: &mut Tree, b: NodeId) {
+        let (node, mut scratch) = (despot[b], std::mem::take(&mut despot.scratch));
+        scratch.set.clear();
+        scratch.set.extend_from_slice(despot.scenarios(b));
+        let (class, share) = self.most_frequent(&node, &mut scratch);
+        let moves = self.model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
+        for action in std::iter::once(Action::Decide(class)).chain(moves) {
+            let (first, a) = (despot.size(), despot.next_edge());
+            let step = Step::of(self.model, &node, action, self.remaining.after(node.decisions));
+            let child = step.child(&node, a);
+            if step.scanned.is_some() {
+                self.observe(despot, (b, step), &mut scratch);
+                let Scratch { groups: [groups, _], bounds, .. } = &mut scratch;
+                for (labels, scenarios, count) in groups.iter() {
+                    let child = Node { labels: Some(labels), count, ..child };
+                    despot.add_node(self.initialise(child, scenarios, bounds), scenarios);
+                }
+            } else {
+                let child = Node { count: node.count, ..child };
+                despot.add_node_like(self.initialise(child, &scratch.set, &mut scratch.bounds), b);
+            }
+            let reward = match action {
+                Action::Decide(_) => self.model.decision_reward(share),
+                Action::Move(to) => -self.model.motion_cost(node.viewpoint, to),
+            };
+            despot.add_edge(b, action, self.weight(&node) * reward, first);
+            self.sum_children(despot, a);
+            despot.tally.scenario_steps += u64::from(node.count);
+        }
+        (despot.scratch, despot.tally.expansions) = (scratch, despot.tally.expansions + 1);
+        Self::take_best(despot, b);
     }
 
-    /// Values of a leaf from unscaled ones: the default policy's, or at best the upper bound after one policy node.
+    /// `L_0` and `U_0` of a new node, and the values they give.
     #[inline(always)]
-    fn leaf(
-        &self,
-        (depth, probability, remaining): (usize, f64, Remaining),
-        value: f64,
-        entropy: f64,
-        upper: f64,
-    ) -> Values {
-        let scale = self.scale(depth, probability);
-        let lower = scale * value;
-        let certified = scale * upper;
-        let upper =
-            if depth < self.depth { lower.max(certified - self.config.regularization) } else { lower };
-        let prospect = Prospect { mass: scale, value: lower, entropy: scale * entropy };
-        let estimate = (lower + self.shortfall.at(prospect, remaining)).min(certified);
-        Values { lower, upper, estimate, certified }
+    fn initialise(&self, node: Node, scenarios: &[Word], scratch: &mut [Vec<f64>; 2]) -> Node {
+        let (weight, remaining) = (self.weight(&node), self.remaining.after(node.decisions));
+        let default = weight * self.default_policy(&node, scenarios, scratch).0;
+        let utility = if node.depth < self.depth { weight * self.bounds.upper(remaining) } else { default };
+        let upper = default.max(utility - self.lambda);
+        Node { default, values: Values { lower: default, upper, utility }, ..node }
     }
 }
 

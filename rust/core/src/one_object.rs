@@ -7,8 +7,6 @@
 //!
 //! Viewpoints with the same moves at the same costs are one *group*: in the paper's model there is one.
 
-mod candidates;
-mod following;
 mod plan_set;
 mod solve;
 mod stored;
@@ -18,8 +16,6 @@ use nalgebra::DVector;
 use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
-pub(crate) use candidates::Weighed;
-use following::Following;
 use plan_set::{ConditionalPlan, PlanSet};
 
 /// Plans for one object, and what executing the best of them for ever is worth.
@@ -31,18 +27,8 @@ pub struct OneObjectPolicy {
     plans: Vec<PlanSet>,
     /// Value of starting with an unseen object, per group.
     arrival_values: Vec<f64>,
-    following: Following,
-}
-
-/// Where an object stands when its turn comes.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Turn {
-    /// Viewpoint group of the camera.
-    pub group: usize,
-    /// Number of positions behind it.
-    pub behind: usize,
-    /// Whether the belt ever ends.
-    pub ends: bool,
+    /// Value of 0, 1, 2, ... unseen objects on a belt that ends, per group; that of more is an endless belt's.
+    unseen_values: Vec<Vec<f64>>,
 }
 
 impl OneObjectPolicy {
@@ -71,24 +57,14 @@ impl OneObjectPolicy {
     /// Value of the objects that have still to arrive, per group.
     #[inline(always)]
     pub(crate) fn values_of_unseen(&self, unseen: Remaining) -> &[f64] {
-        self.following.unseen(unseen).unwrap_or(&self.arrival_values)
+        let ending = unseen.0.and_then(|objects| self.unseen_values.get(objects));
+        ending.unwrap_or(&self.arrival_values)
     }
 
     /// The best plan for one object from a group, given what follows it.
     #[inline(always)]
     pub(crate) fn best(&self, group: usize, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
         self.plans[group].best(belief, continuation)
-    }
-
-    /// `G` and `D_s` at a belief of the plans that may be best at its turn, whatever is known of the objects behind.
-    pub(crate) fn candidates(
-        &self,
-        Turn { group, behind, ends }: Turn,
-        belief: &[f64],
-        found: &mut Vec<f64>,
-        weighed: &mut Weighed,
-    ) {
-        self.plans[group].candidates(belief, self.following.range(behind, ends), found, weighed);
     }
 
     /// Value of what follows the object at the belt end, per group: the objects behind it, each by the best plan

@@ -144,7 +144,7 @@ fn most_informative(
 }
 
 /// The first move of a shortest path from each viewpoint to `target`; where there is none, the first legal move.
-fn next_moves(model: &SortingModel, target: Viewpoint) -> Vec<Option<Viewpoint>> {
+pub(crate) fn next_moves(model: &SortingModel, target: Viewpoint) -> Vec<Option<Viewpoint>> {
     let mut next: Vec<Option<Viewpoint>> = vec![None; model.viewpoint_count()];
     // At the target itself: stay and scan again, if that is legal.
     next[target.0] = model.legal_moves(target).iter().copied().find(|to| *to == target);

@@ -14,8 +14,6 @@ use crate::model::{Look, SortingModel};
 /// What a stream of randoms is for; streams of different purposes never meet.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Purpose {
-    /// Marks of labels, by which histories are told apart.
-    History = 0,
     /// A scenario of the search.
     Scenario = 1,
     /// A simulated object: its class and its labels.

@@ -9,7 +9,8 @@ use std::sync::OnceLock;
 use rand::Rng;
 use rayon::prelude::*;
 
-use crate::index::{Class, Label, Position};
+use crate::belief::Belief;
+use crate::index::{Label, Position};
 use crate::model::{Look, SortingModel};
 use crate::planes;
 use crate::sampling::{Purpose, stream};
@@ -75,6 +76,19 @@ impl Randoms {
         (0..count).map(|row| (0..padded).map(|i| entry(row, i)).collect()).collect()
     }
 
+    /// Every random counted from the other end: inversion then gives the outcomes that it gives for distributions
+    /// whose outcomes are listed in reverse.
+    #[cfg(test)]
+    pub(crate) fn mirrored(&self) -> Self {
+        self.reach(DEPTHS * (self.blocks.len() - 1), false);
+        let mirror = |rows: &OnceLock<Rows>| {
+            let rows = rows.get().into_iter().flatten();
+            OnceLock::from(rows.map(|row| row.iter().map(|random| !random).collect()).collect::<Rows>())
+        };
+        let blocks = self.blocks.iter().map(mirror).collect();
+        Self { visible: mirror(&self.visible), blocks, ..*self }
+    }
+
     /// The randoms behind the class of the n-th object on the belt.
     fn class(&self, object: usize) -> &[u32] {
         match object.checked_sub(self.positions) {
@@ -116,114 +130,103 @@ impl LookPoint {
     }
 }
 
-/// Which scenarios give which label: a plane per label for every look that the search has needed so far.
-#[derive(Debug, Default)]
-pub(crate) struct LabelPlanes {
+/// Planes, one per class or label.
+type Planes = Vec<u64>;
+
+/// The scenarios of one search: object classes from a belief and the arrival prior, labels by inversion.
+///
+/// Planes are worked out when a search first asks for them, by whichever thread asks. What they hold depends on neither
+/// the threads nor the order in which they ask.
+#[derive(Debug)]
+pub(crate) struct Scenarios<'a> {
+    model: &'a SortingModel,
+    randoms: &'a Randoms,
+    belief: &'a Belief,
     words: usize,
-    classes: usize,
-    viewpoints: usize,
-    positions: usize,
-    /// Planes of a look per last label, and without any: 1 if no look repeats.
-    variants: usize,
-    /// Per object: the plane of each class.
-    objects: Vec<Vec<u64>>,
-    /// First word of the look's planes, by [`LabelPlanes::key`]; [`ABSENT`] where there are none yet.
-    index: Vec<usize>,
-    labels: Vec<u64>,
-    /// Looks whose planes are being made.
-    missing: Vec<LookPoint>,
+    /// Per object on the belt.
+    objects: Vec<OnceLock<Planes>>,
+    /// Per depth its looks, numbered by decisions, viewpoint, position and last label.
+    looks: Vec<OnceLock<Vec<OnceLock<Planes>>>>,
 }
 
-const ABSENT: usize = usize::MAX;
-
-impl LabelPlanes {
-    /// Start a search from a belief, with one distribution per position.
-    pub(crate) fn restart(&mut self, model: &SortingModel, randoms: &Randoms, belief: &[f64]) {
-        (self.words, self.classes) = (planes::words(randoms.count), model.class_count());
-        (self.viewpoints, self.positions) = (model.viewpoint_count(), model.position_count());
-        self.variants = if model.ever_repeats() { self.classes + 1 } else { 1 };
-        self.objects.clear();
-        self.index.clear();
-        self.labels.clear();
-        for (object, distribution) in belief.chunks_exact(self.classes).enumerate() {
-            let planes = self.class_planes(randoms.class(object), distribution);
-            self.objects.push(planes);
-        }
-    }
-
-    /// Have the planes of some looks; the randoms must reach their depths.
-    pub(crate) fn require(
-        &mut self,
-        model: &SortingModel,
-        randoms: &Randoms,
-        looks: impl Iterator<Item = LookPoint>,
+impl<'a> Scenarios<'a> {
+    /// Scenarios from a belief, down to `depth`.
+    pub(crate) fn sampled(
+        (model, randoms): (&'a SortingModel, &'a Randoms),
+        belief: &'a Belief,
+        depth: usize,
         parallel: bool,
-    ) {
-        let (first, size) = (self.labels.len(), self.classes * self.words);
-        let mut missing = std::mem::take(&mut self.missing);
-        for at in looks {
-            let key = self.key(at);
-            if key >= self.index.len() {
-                self.index.resize(key + 1, ABSENT);
-            }
-            if self.index[key] == ABSENT {
-                self.index[key] = first + missing.len() * size;
-                missing.push(at);
-                self.require_object(model, randoms, at.object());
-            }
-        }
-        self.labels.resize(first + missing.len() * size, 0);
-        let mut labels = std::mem::take(&mut self.labels);
-        let fill = |(planes, at): (&mut [u64], &LookPoint)| self.fill(model, randoms, *at, planes);
-        if parallel {
-            labels[first..].par_chunks_exact_mut(size).zip(&missing).for_each(fill);
-        } else {
-            labels[first..].chunks_exact_mut(size).zip(&missing).for_each(fill);
-        }
-        missing.clear();
-        (self.labels, self.missing) = (labels, missing);
-    }
-
-    fn require_object(&mut self, model: &SortingModel, randoms: &Randoms, object: usize) {
-        while self.objects.len() <= object {
-            let planes = self.class_planes(randoms.class(self.objects.len()), model.arrival().as_slice());
-            self.objects.push(planes);
+    ) -> Self {
+        randoms.reach(0, parallel);
+        let objects = depth + 1 + model.position_count();
+        Self {
+            model,
+            randoms,
+            belief,
+            words: planes::words(randoms.count),
+            objects: std::iter::repeat_with(OnceLock::new).take(objects).collect(),
+            looks: std::iter::repeat_with(OnceLock::new).take(depth).collect(),
         }
     }
 
-    /// The scenarios in which a look gives a label.
-    #[inline(always)]
-    pub(crate) fn label(&self, at: LookPoint, label: Label) -> &[u64] {
-        &self.labels[self.index[self.key(at)] + label.0 * self.words..][..self.words]
+    /// Number of scenarios.
+    pub(crate) fn count(&self) -> usize {
+        self.randoms.count
     }
 
-    /// Looks are numbered depth by depth: at depth d there have been 0 to d decisions, or d + 1 if the scan follows
-    /// one.
-    #[inline(always)]
-    fn key(&self, at: LookPoint) -> usize {
-        let step = at.depth * (at.depth + 3) / 2 + at.decisions;
-        let Look { position, viewpoint, last } = at.look;
-        let look = (step * self.viewpoints + viewpoint.0) * self.positions + position.0;
-        look * self.variants + last.map_or(0, |label| label.0 + 1)
+    /// Number of classes.
+    pub(crate) fn class_count(&self) -> usize {
+        self.model.class_count()
     }
 
-    /// The plane of each class of an object with this distribution.
-    fn class_planes(&self, randoms: &[u32], distribution: &[f64]) -> Vec<u64> {
-        let mut planes = vec![0; self.classes * self.words];
-        let among = &vec![u64::MAX; self.words];
-        let distribution = distribution.iter().copied();
-        pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes: &mut planes });
-        planes
+    /// Words of a plane.
+    pub(crate) fn words(&self) -> usize {
+        self.words
+    }
+
+    /// The plane of each class of the n-th object on the belt.
+    pub(crate) fn classes(&self, object: usize) -> &[u64] {
+        self.objects[object].get_or_init(|| {
+            let positions = self.model.position_count();
+            self.randoms.reach(object.saturating_sub(positions), false);
+            let arrival = self.model.arrival().as_slice();
+            let seen = self.belief.as_slice().chunks_exact(self.model.class_count()).nth(object);
+            let distribution = seen.unwrap_or(arrival).iter().copied();
+            let among = &vec![u64::MAX; self.words];
+            let mut planes = vec![0; self.model.class_count() * self.words];
+            let randoms = self.randoms.class(object);
+            pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes: &mut planes });
+            planes
+        })
     }
 
     /// The plane of each label of a look.
-    fn fill(&self, model: &SortingModel, randoms: &Randoms, at: LookPoint, planes: &mut [u64]) {
-        let object = &self.objects[at.object()];
-        let randoms = randoms.label(at.depth, at.look.position);
-        for (class, among) in object.chunks_exact(self.words).enumerate() {
-            let distribution = model.label_distribution(at.look, Class(class));
-            pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes });
+    pub(crate) fn labels(&self, at: LookPoint) -> &[u64] {
+        let variants = if self.model.ever_repeats() { self.model.class_count() + 1 } else { 1 };
+        let (viewpoints, positions) = (self.model.viewpoint_count(), self.model.position_count());
+        // At depth d there have been 0 to d decisions, or d + 1 if the scan follows one.
+        let count = (at.depth + 2) * viewpoints * positions * variants;
+        let looks =
+            self.looks[at.depth].get_or_init(|| std::iter::repeat_with(OnceLock::new).take(count).collect());
+        let Look { position, viewpoint, last } = at.look;
+        let number = (at.decisions * viewpoints + viewpoint.0) * positions + position.0;
+        looks[number * variants + last.map_or(0, |label| label.0 + 1)].get_or_init(|| self.look(at))
+    }
+
+    /// The scenarios in which a look gives a label.
+    pub(crate) fn label(&self, at: LookPoint, label: Label) -> &[u64] {
+        &self.labels(at)[label.0 * self.words..][..self.words]
+    }
+
+    fn look(&self, at: LookPoint) -> Planes {
+        self.randoms.reach(at.depth, false);
+        let randoms = self.randoms.label(at.depth, at.look.position);
+        let mut planes = vec![0; self.model.class_count() * self.words];
+        for (class, among) in self.model.classes().zip(self.classes(at.object()).chunks_exact(self.words)) {
+            let distribution = self.model.label_distribution(at.look, class);
+            pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes: &mut planes });
         }
+        planes
     }
 }
 

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use beltsort_core::{Belief, Budget, BudgetedDespot, Despot, DespotConfig, Plan, SortingModel, Viewpoint};
+use beltsort_core::{
+    Action, Belief, BeliefSearch, Budget, BudgetedDespot, BudgetedSearch, Despot, DespotConfig, Plan, Policy,
+    Result, SortingModel, Viewpoint,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
@@ -12,57 +15,67 @@ use crate::actions;
 use crate::belief::PyBelief;
 use crate::budget::{self, budget, outside_pools, thread_pool};
 use crate::convert::{self, Whole, count};
-use crate::errors::to_python;
+use crate::errors::{ArgumentError, to_python};
 use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
 use crate::plan::PyPlan;
 use crate::solution::PySolution;
 
-/// The DESPOT planner: an anytime search in a tree of beliefs, determinised by scenarios.
+/// Plan online by an anytime search in a tree of beliefs, determinised by sampled scenarios.
 ///
-/// A scenario fixes the classes of the objects and a stream of observation randoms; only labels that some
-/// scenario gives get a branch. Each branch weighs its exact probability and holds its exact belief; the mass
-/// of the other labels follows the default policy, the best conditional plan for one object after the other.
-/// Solving for those plans is what makes the constructor take a moment.
+/// A scenario fixes the classes of the objects and a stream of observation randoms. There are two variants:
 ///
-/// A trial expands one leaf of the tree. Leaves are chosen in batches of 8 to 256, more as the search goes on,
-/// and those of a large batch are expanded at the same time by all threads. So with a budget of trials a plan
-/// is a pure function of model, belief, viewpoint, seed and settings, bit by bit the same for any number of
-/// `threads`; with a budget of time it depends on the machine too.
+/// * "beliefs", the recommended one: the belief at each node is exact, and scenarios only choose which label
+///   vectors get a branch. A branch weighs its exact probability; the labels that no scenario gives follow the
+///   default policy, the best conditional plan for one object after the other. Solving for those plans is what
+///   makes the constructor take a moment.
+/// * "scenarios": DESPOT as published, to compare with. The search knows nothing but its scenarios: rewards and
+///   probabilities are averages over those that come to a node.
 ///
-/// Repeated labels, scans after decisions and a bonus for information are planned for where the model has them.
+/// A trial expands one leaf of the tree, or as many as the published algorithm says. With a budget of trials a
+/// plan is a pure function of model, belief, viewpoint, seed and settings, bit by bit the same for any number
+/// of `threads`; with a budget of time it depends on the machine too.
+///
+/// Repeated labels and scans after decisions are planned for where the model has them; so is a bonus for
+/// information, by the variant "beliefs".
 ///
 /// Parameters
 /// ----------
 /// model : SortingModel
 ///     The problem. A scan has L^H outcomes: each further position multiplies the tree by up to L.
 /// scenarios : int
-///     Number of scenarios. Each expansion takes time in proportion, so under a budget of time too many leave
-///     the tree shallow; too few leave likely labels without a branch.
+///     Number of scenarios. Too few leave likely labels without a branch, or, of the variant "scenarios", are
+///     overfitted; too many leave the tree shallow under a budget of time.
 /// seed : int
 ///     Seed of the scenarios.
 /// threads : int, optional
-///     Threads that share the work of a plan. All cores if missing; more than there are cores gain nothing.
-///     Plans of less than 2 ms, or of at most 256 trials, are made on the calling thread: others would wake up
-///     too late.
+///     Threads that share the work of a plan of the variant "scenarios"; all cores if missing. Plans of less
+///     than 2 ms, or of at most 256 trials, are made on the calling thread, as are all of the variant
+///     "beliefs".
 /// seconds : float, optional
 ///     Wall-clock budget of a plan in seconds, 0.01 if neither budget is given.
 /// trials : int, optional
 ///     Budget of a plan in trials, in place of `seconds`. Memory grows with it.
 /// regularization : float, optional
-///     `lambda` of the DESPOT paper: cost of a policy node, in the unit of `r_max`; 0 if missing. Too large,
-///     and nothing but the default policy is worth its nodes.
+///     `lambda` of the DESPOT paper: cost of a policy node, in the unit of `r_max`; 0 if missing. Only the
+///     variant "scenarios" has one: too small, and it overfits its scenarios; too large, and nothing but the
+///     default policy is worth its nodes.
 /// depth : int, optional
 ///     Planner steps to look ahead; if missing, as many as the discount leaves 1 % of a reward after.
 /// solution : Solution, optional
-///     A solution of the model: the planner is ready at once and gives the same plans, with a
-///     `certified_upper` as tight as the solution's own.
+///     A solution of the model, for the variant "beliefs": the planner is ready at once and gives the same
+///     plans, with a `certified_upper` as tight as the solution's own.
+/// variant : {"beliefs", "scenarios"}
+///     Which planner.
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     For a count or budget of 0 or below, both budgets, a negative regularisation, an L^H above 2^64, or
-///     the solution of another model.
+///     For a count or budget of 0 or below, both budgets, a negative regularisation, an unknown variant, an
+///     argument that the variant does not take, the solution of another model, or, of the variant
+///     "scenarios", an L^H above 2^64.
+/// ModelError
+///     For a model with `information_gain` and the variant "scenarios".
 ///
 /// References
 /// ----------
@@ -79,12 +92,41 @@ use crate::solution::PySolution;
 /// Decide(label=1)
 #[pyclass(frozen, name = "Despot", module = "beltsort")]
 pub struct PyDespot {
-    pub planner: BudgetedDespot,
+    pub planner: Planner,
+    budget: Budget,
     pub model: Arc<SortingModel>,
     threads: Threads,
 }
 
-/// The threads that work on a plan.
+/// A variant, with the budget of the constructor.
+pub enum Planner {
+    Beliefs(BudgetedSearch),
+    Scenarios(BudgetedDespot),
+}
+
+impl Planner {
+    fn beliefs(budget: Budget) -> impl FnOnce(BeliefSearch) -> Self {
+        move |search| Self::Beliefs(BudgetedSearch { search, budget })
+    }
+
+    fn config(&self) -> (&DespotConfig, &'static str) {
+        match self {
+            Self::Beliefs(planner) => (planner.search.config(), "beliefs"),
+            Self::Scenarios(planner) => (planner.despot.config(), "scenarios"),
+        }
+    }
+}
+
+impl Policy for Planner {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
+        match self {
+            Self::Beliefs(planner) => planner.act(belief, viewpoint),
+            Self::Scenarios(planner) => planner.act(belief, viewpoint),
+        }
+    }
+}
+
+/// The threads that work on a plan of the variant "scenarios".
 enum Threads {
     /// The one that asks for the plan.
     Caller,
@@ -112,19 +154,24 @@ impl PyDespot {
         viewpoint: Viewpoint,
         budget: Budget,
     ) -> PyResult<Plan> {
-        let (despot, stop) = (&self.planner.despot, AtomicBool::new(false));
-        let plan = |parallel| despot.plan_until(belief, viewpoint, budget, parallel, &stop);
+        let stop = AtomicBool::new(false);
+        let plan = |parallel| match &self.planner {
+            Planner::Beliefs(planner) => planner.search.plan_until(belief, viewpoint, budget, &stop),
+            Planner::Scenarios(planner) => {
+                planner.despot.plan_until(belief, viewpoint, budget, parallel, &stop)
+            }
+        };
         let plan_in_pool = || match &self.threads {
             Threads::Own(pool) => pool.install(|| plan(true)),
             Threads::Shared if rayon::current_num_threads() > 1 => rayon::scope(|_| plan(true)),
             Threads::Shared | Threads::Caller => plan(false),
         };
-        let plan = if budget::is_brief(budget) {
-            py.detach(|| plan(false))
-        } else if budget::is_long(budget) {
-            interruptible(py, &stop, plan_in_pool)?
-        } else {
-            py.detach(|| outside_pools(plan_in_pool))
+        let alone = matches!(self.planner, Planner::Beliefs(_)) || budget::is_brief(budget);
+        let plan = match (alone, budget::is_long(budget)) {
+            (true, false) => py.detach(|| plan(false)),
+            (true, true) => interruptible(py, &stop, || plan(false))?,
+            (false, true) => interruptible(py, &stop, plan_in_pool)?,
+            (false, false) => py.detach(|| outside_pools(plan_in_pool)),
         };
         plan.map_err(to_python)
     }
@@ -134,7 +181,7 @@ impl PyDespot {
 impl PyDespot {
     #[new]
     #[pyo3(signature = (model, *, scenarios=500, seed=0, threads=None, seconds=None, trials=None,
-                        regularization=None, depth=None, solution=None))]
+                        regularization=None, depth=None, solution=None, variant="beliefs"))]
     #[allow(clippy::too_many_arguments)] // the public contract
     fn new(
         py: Python<'_>,
@@ -147,6 +194,7 @@ impl PyDespot {
         regularization: Option<f64>,
         depth: Option<Whole>,
         solution: Option<&PySolution>,
+        variant: &str,
     ) -> PyResult<Self> {
         let config = DespotConfig {
             scenarios: count("scenarios", scenarios)?,
@@ -155,16 +203,28 @@ impl PyDespot {
             depth: depth.map(|d| count("depth", d)).transpose()?,
         };
         let budget = budget(seconds, trials)?.unwrap_or(budget::DEFAULT);
-        let prepare = || match solution {
-            Some(solution) => Despot::with_solution(&model.0, &solution.solution, config),
-            None => Despot::new(&model.0, config),
+        let model = &model.0;
+        let planner = match (variant, solution) {
+            ("beliefs", None) => py.detach(|| BeliefSearch::new(model, config)).map(Planner::beliefs(budget)),
+            ("beliefs", Some(solution)) => py
+                .detach(|| BeliefSearch::with_solution(model, &solution.solution, config))
+                .map(Planner::beliefs(budget)),
+            ("scenarios", None) => py
+                .detach(|| Despot::new(model, config))
+                .map(|despot| Planner::Scenarios(BudgetedDespot { despot, budget })),
+            ("scenarios", Some(_)) => {
+                return Err(ArgumentError::new_err(
+                    "solution is given, which variant=\"scenarios\" makes no use of; leave one of them out",
+                ));
+            }
+            _ => {
+                return Err(ArgumentError::new_err(format!(
+                    "variant = {variant:?}; give \"beliefs\", the recommended one, or \"scenarios\", DESPOT as published"
+                )));
+            }
         };
-        let despot = py.detach(prepare).map_err(to_python)?;
-        Ok(Self {
-            planner: BudgetedDespot { despot, budget },
-            model: Arc::clone(&model.0),
-            threads: Threads::new(threads)?,
-        })
+        let planner = planner.map_err(to_python)?;
+        Ok(Self { planner, budget, model: Arc::clone(model), threads: Threads::new(threads)? })
     }
 
     /// Plan the next action.
@@ -197,7 +257,7 @@ impl PyDespot {
         trials: Option<Whole>,
     ) -> PyResult<PyPlan> {
         belief.check_is_of(&self.model)?;
-        let budget = budget(seconds, trials)?.unwrap_or(self.planner.budget);
+        let budget = budget(seconds, trials)?.unwrap_or(self.budget);
         let plan = self.search(py, &belief.belief, convert::viewpoint(viewpoint)?, budget)?;
         Ok(PyPlan(plan))
     }
@@ -225,11 +285,13 @@ impl PyDespot {
         actions::to_python(py, plan.0.action)
     }
 
-    /// What plans depend on, as keywords of the constructor: scenarios, seed, seconds, trials, regularization, depth.
+    /// What plans depend on, as keywords of the constructor: scenarios, seed, seconds, trials, regularization, depth,
+    /// variant.
     #[getter]
     fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let DespotConfig { scenarios, seed, regularization, depth } = *self.planner.despot.config();
-        let (seconds, trials) = match self.planner.budget {
+        let (config, variant) = self.planner.config();
+        let DespotConfig { scenarios, seed, regularization, depth } = *config;
+        let (seconds, trials) = match self.budget {
             Budget::Time(time) => (Some(time.as_secs_f64()), None),
             Budget::Trials(trials) => (None, Some(trials)),
         };
@@ -240,6 +302,7 @@ impl PyDespot {
         settings.set_item("trials", trials)?;
         settings.set_item("regularization", regularization)?;
         settings.set_item("depth", depth)?;
+        settings.set_item("variant", variant)?;
         Ok(settings)
     }
 

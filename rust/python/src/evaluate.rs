@@ -15,7 +15,7 @@ use crate::errors::{ArgumentError, to_python};
 use crate::evaluation::PyEvaluation;
 use crate::interrupt::{Stoppable, interruptible};
 use crate::model::PySortingModel;
-use crate::policies::{PyInformationGain, PyOneObject, PyThreshold};
+use crate::policies::{PyInformationGain, PyLookAhead, PyOneObject, PyThreshold};
 use crate::solution::PySolution;
 use crate::user_policy::UserPolicy;
 
@@ -31,7 +31,7 @@ use crate::user_policy::UserPolicy;
 ///     Updates the belief, gives the rewards, and says whether a scan follows each decision. Such a scan counts
 ///     for `max_looks`, but is no step.
 /// policy : Policy
-///     `Despot`, `Threshold`, `InformationGain`, `OneObject`, or any object with a method
+///     `Despot`, `LookAhead`, `Threshold`, `InformationGain`, `OneObject`, or any object with a method
 ///     ``act(belief, viewpoint)`` that
 ///     returns a `Move` or a `Decide`. Such an object is asked from one thread, and its exceptions pass
 ///     through unchanged.
@@ -60,7 +60,7 @@ use crate::user_policy::UserPolicy;
 ///     end.
 /// belt_ends : bool
 ///     Whether the belt ends with the batch, and the beliefs that the policy is asked with tell how many
-///     objects are left (`Belief.remaining`); `Despot` and `OneObject` heed it.
+///     objects are left (`Belief.remaining`); `Despot`, `LookAhead` and `OneObject` heed it.
 ///
 /// Returns
 /// -------
@@ -132,6 +132,8 @@ pub fn evaluate(
         run(&threshold.get().policy, pool)?.map_err(to_python)
     } else if let Ok(gain) = policy.cast::<PyInformationGain>() {
         run(&gain.get().policy, pool)?.map_err(to_python)
+    } else if let Ok(look_ahead) = policy.cast::<PyLookAhead>() {
+        run(&look_ahead.get().policy, pool)?.map_err(to_python)
     } else if let Ok(one) = policy.cast::<PyOneObject>() {
         run(&one.get().policy, pool)?.map_err(to_python)
     } else {

@@ -37,6 +37,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solution::solve, module)?)?;
     module.add_class::<policies::PyThreshold>()?;
     module.add_class::<policies::PyInformationGain>()?;
+    module.add_class::<policies::PyLookAhead>()?;
     module.add_class::<policies::PyOneObject>()?;
     module.add_class::<evaluation::PyEvaluation>()?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;

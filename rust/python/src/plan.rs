@@ -6,6 +6,7 @@ use pyo3::types::PyDict;
 
 use crate::actions;
 use crate::convert::Whole;
+use crate::errors::ArgumentError;
 use crate::plan_tree;
 
 /// What a search found. Values are expected discounted rewards, in the unit of `r_max` and `r_min`.
@@ -13,7 +14,8 @@ use crate::plan_tree;
 /// `values` are estimates: the search's lower bound, plus what the default policy is expected to fall short of
 /// the best one by wherever the search has not looked. The action is chosen by them. `lower` and `upper` bound
 /// the search's own problem, and its `upper` may lie below the estimates; `certified_lower` and
-/// `certified_upper` bound the optimal value of the model itself.
+/// `certified_upper` bound the optimal value of the model itself. Of DESPOT as published (variant
+/// "scenarios") `values` are lower bounds in the sampled, regularised problem.
 ///
 /// Examples
 /// --------
@@ -58,7 +60,7 @@ impl PyPlan {
     }
 
     /// Lower bound of V*, the optimal value of the model itself: what a policy that can be executed earns
-    /// from here; None if the model repeats looks.
+    /// from here; None if the model repeats looks, and of DESPOT as published.
     #[getter]
     fn certified_lower(&self) -> Option<f64> {
         self.0.certified_lower
@@ -122,10 +124,15 @@ impl PyPlan {
     /// Raises
     /// ------
     /// ArgumentError
-    ///     For a depth below 0 or above 1000.
+    ///     For a depth below 0 or above 1000, or a plan of `Despot(variant="scenarios")`, which keeps no tree.
     #[pyo3(signature = (depth=2))]
     fn tree<'py>(&self, py: Python<'py>, depth: Whole) -> PyResult<Bound<'py, PyDict>> {
-        plan_tree::to_python(py, &self.0.tree(plan_tree::depth(depth)?))
+        let tree = self.0.tree(plan_tree::depth(depth)?).ok_or_else(|| {
+            ArgumentError::new_err(
+                "DESPOT as published keeps no tree; plan with variant=\"beliefs\" to see one",
+            )
+        })?;
+        plan_tree::to_python(py, &tree)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

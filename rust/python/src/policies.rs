@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use beltsort_core::{InformationGain, OneObject, Policy, SortingModel, Threshold};
+use beltsort_core::{DespotConfig, InformationGain, LookAhead, OneObject, Policy, SortingModel, Threshold};
 use pyo3::prelude::*;
 
 use crate::actions;
@@ -185,6 +185,82 @@ impl PyOneObject {
     }
 
     /// The first action of the best plan.
+    ///
+    /// Parameters
+    /// ----------
+    /// belief : Belief
+    ///     What is known of the objects; made for the policy's model, or an equal one.
+    /// viewpoint : int
+    ///     Where the camera stands.
+    ///
+    /// Returns
+    /// -------
+    /// Move or Decide
+    ///     The action.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For a belief of another model or an unknown viewpoint.
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+        act(py, &self.policy, &self.model, &belief, viewpoint)
+    }
+
+    /// The model that the policy was made for.
+    #[getter]
+    fn model(&self) -> PySortingModel {
+        PySortingModel(Arc::clone(&self.model))
+    }
+}
+
+/// Compare all actions a fixed number of steps ahead, with the leaf values of `Despot`.
+///
+/// The yardstick of a search: no trials, no bounds. Labels that no scenario gives follow the one-object policy.
+///
+/// Parameters
+/// ----------
+/// model : SortingModel
+///     The problem; its one-object plans are found here, which takes a moment.
+/// depth : int
+///     Planner steps to look ahead, 1 to 4. The tree grows with the power of it.
+/// scenarios, seed : int
+///     As for `Despot`.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For another depth, or no scenarios.
+///
+/// Examples
+/// --------
+/// >>> import beltsort
+/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+/// >>> beltsort.LookAhead(model, depth=2).act(beltsort.Belief(model), 0)
+/// Move(viewpoint=0)
+#[pyclass(frozen, name = "LookAhead", module = "beltsort")]
+pub struct PyLookAhead {
+    pub policy: LookAhead,
+    pub model: Arc<SortingModel>,
+}
+
+#[pymethods]
+impl PyLookAhead {
+    #[new]
+    #[pyo3(signature = (model, depth=1, *, scenarios=500, seed=0))]
+    fn new(
+        py: Python<'_>,
+        model: &PySortingModel,
+        depth: Whole,
+        scenarios: Whole,
+        seed: Whole,
+    ) -> PyResult<Self> {
+        let (depth, scenarios) = (count("depth", depth)?, count("scenarios", scenarios)?);
+        let config = DespotConfig { scenarios, seed: convert::seed(seed)?, ..DespotConfig::default() };
+        let policy = py.detach(|| LookAhead::new(&model.0, depth, config)).map_err(to_python)?;
+        Ok(Self { policy, model: Arc::clone(&model.0) })
+    }
+
+    /// The action with the highest value.
     ///
     /// Parameters
     /// ----------

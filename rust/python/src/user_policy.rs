@@ -22,7 +22,7 @@ impl UserPolicy {
     pub fn new(object: &Bound<'_, PyAny>, model: &PySortingModel) -> PyResult<Self> {
         if !object.hasattr("act")? {
             return Err(PolicyError::new_err(format!(
-                "policy = {} has no method act; give Despot, Threshold, InformationGain, OneObject, or an object whose \
+                "policy = {} has no method act; give Despot, LookAhead, Threshold, InformationGain, OneObject, or an object whose \
                  act(belief, viewpoint) returns beltsort.Move or beltsort.Decide",
                 object.repr()?
             )));

@@ -1,131 +1,215 @@
-//! What a search found.
+//! The planner around a search: settings, budgets, and what was found.
 
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
-use super::Despot;
-use super::search::Search;
-use super::workspace::Lease;
-use crate::bounds;
+use super::tree::{ROOT, Tree};
+use super::{Bounds, Search};
+use crate::belief::Belief;
+use crate::config::{Budget, DespotConfig};
+use crate::error::{Result, argument_error, model_error};
 use crate::index::{Class, Viewpoint};
 use crate::model::{Action, SortingModel};
-use crate::remaining::Remaining;
-use crate::tree::Edge;
+use crate::plan::Plan;
+use crate::policy::Policy;
+use crate::scenario::{Randoms, Scenarios};
 
-/// The outcome of planning. It keeps the searched tree, and gives the memory back when it is dropped.
-#[derive(Debug)]
-pub struct Plan {
-    /// The action to take.
-    pub action: Action,
-    /// Estimated value of every legal action: decisions by label, then moves.
-    pub values: Vec<(Action, f64)>,
-    /// Lower bound of the optimum of the search's own (sampled, regularised) problem.
-    pub lower: f64,
-    /// Upper bound of the same optimum.
-    pub upper: f64,
-    /// Lower bound of V*: the value of a policy that can be executed from here; `None` if the model repeats looks.
-    pub certified_lower: Option<f64>,
-    /// Upper bound of V*.
-    pub certified_upper: f64,
-    /// Trials done.
-    pub trials: u64,
-    /// Wall-clock time spent.
-    pub elapsed: Duration,
-    /// (scenario, move) pairs simulated at expanded nodes.
-    pub scenario_steps: u64,
-    /// Belief nodes whose actions were all generated.
-    pub expansions: u64,
-    /// Belief nodes created.
-    pub nodes: u64,
-    pub(super) model: Arc<SortingModel>,
-    pub(super) space: Lease,
+/// Nodes whose memory is kept for the next plan at most.
+const MOST_KEPT: usize = 1_000_000;
+
+/// DESPOT as published, with a model and the settings of the search. A clone shares memory, not plans.
+#[derive(Debug, Clone)]
+pub struct Despot {
+    model: Arc<SortingModel>,
+    config: DespotConfig,
+    depth: usize,
+    discounts: Vec<f64>,
+    bounds: Arc<Bounds>,
+    pub(super) randoms: Arc<Randoms>,
+    /// What no search uses at the moment: its memory is used again.
+    spaces: Arc<Mutex<Vec<Workspace>>>,
 }
 
-/// Equal plans come from equal searches, node by node; the time they took does not count.
-impl PartialEq for Plan {
-    fn eq(&self, other: &Self) -> bool {
-        let numbers = |plan: &Self| (plan.trials, plan.scenario_steps, plan.expansions, plan.nodes);
-        let certified = |plan: &Self| (plan.certified_lower, plan.certified_upper);
-        self.action == other.action
-            && self.values == other.values
-            && numbers(self) == numbers(other)
-            && certified(self) == certified(other)
-            && self.space.frontier.tree == other.space.frontier.tree
-    }
+/// What a search grows.
+#[derive(Debug, Default)]
+struct Workspace {
+    despot: Tree,
+    branches: Vec<Tree>,
 }
 
 impl Despot {
-    /// Upper bound of V*. It is no part of the search, but of the time that a plan takes.
-    pub(super) fn certified_upper(
+    /// Prepare to plan.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] for no scenarios or more than a million, a negative regularisation, depth 0, or
+    /// so many label vectors (L^H) that they cannot be numbered;
+    /// [`crate::Error::Model`] for a bonus for
+    /// information, which is no reward of states.
+    pub fn new(model: &SortingModel, config: DespotConfig) -> Result<Self> {
+        config.check()?;
+        if model.spec().information_gain > 0.0 {
+            return model_error(
+                "information_gain is set, which averages over scenarios cannot tell; leave it out, or plan with exact beliefs",
+            );
+        }
+        let positions = u32::try_from(model.position_count()).unwrap_or(u32::MAX);
+        if (model.class_count() as u64).checked_pow(positions).is_none() {
+            return argument_error(format!(
+                "{} classes at {} positions give more label vectors than 64 bits can number; plan for fewer positions, or with \
+                 exact beliefs",
+                model.class_count(),
+                model.position_count()
+            ));
+        }
+        let depth = config.depth_for(model);
+        let power = |previous: &f64| Some(previous * model.discount());
+        Ok(Self {
+            bounds: Arc::new(Bounds::new(model)),
+            randoms: Arc::new(Randoms::new(config.seed, config.scenarios, model.position_count(), depth)),
+            discounts: std::iter::successors(Some(1.0), power).take(depth + 1).collect(),
+            model: Arc::new(model.clone()),
+            config,
+            depth,
+            spaces: Arc::default(),
+        })
+    }
+
+    /// The model planned for.
+    #[must_use]
+    pub fn model(&self) -> &SortingModel {
+        &self.model
+    }
+
+    /// The settings.
+    #[must_use]
+    pub fn config(&self) -> &DespotConfig {
+        &self.config
+    }
+
+    /// Plan the next action on this thread.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] if belief or viewpoint do not fit the model, or the budget is zero.
+    pub fn plan(&self, belief: &Belief, viewpoint: Viewpoint, budget: Budget) -> Result<Plan> {
+        self.plan_until(belief, viewpoint, budget, false, &AtomicBool::new(false))
+    }
+
+    /// Plan the next action with all threads of the current rayon pool: the same plan, sooner.
+    ///
+    /// # Errors
+    /// As [`Despot::plan`].
+    pub fn plan_in_parallel(&self, belief: &Belief, viewpoint: Viewpoint, budget: Budget) -> Result<Plan> {
+        self.plan_until(belief, viewpoint, budget, true, &AtomicBool::new(false))
+    }
+
+    /// Plan until the budget is spent or `stop` is set: what was found up to then.
+    ///
+    /// # Errors
+    /// As [`Despot::plan`].
+    pub fn plan_until(
         &self,
-        (belief, remaining): (&[f64], Remaining),
+        belief: &Belief,
         viewpoint: Viewpoint,
-    ) -> f64 {
-        let closed = bounds::upper(&self.model, (belief, remaining), viewpoint);
-        let endless = self.certificate.as_ref().filter(|_| remaining == Remaining::ENDLESS);
-        let grid = endless.map(|grid| grid.at(&self.model, belief, viewpoint));
-        grid.map_or(closed, |grid| grid.min(closed))
+        budget: Budget,
+        parallel: bool,
+        stop: &AtomicBool,
+    ) -> Result<Plan> {
+        let start = Instant::now();
+        belief.check_fits(&self.model)?;
+        self.model.check_viewpoint(viewpoint)?;
+        budget.check()?;
+        let (trials, time) = match budget {
+            Budget::Trials(trials) => (trials, None),
+            Budget::Time(time) => (u64::MAX, Some(time)),
+        };
+        let out_of_time = || stop.load(Ordering::Relaxed) || time.is_some_and(|time| start.elapsed() >= time);
+        let search = self.search(belief, parallel, &out_of_time);
+        let space = self.spaces.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut space = space.unwrap_or_default();
+        search.begin(&mut space.despot, belief, viewpoint);
+        let trials = search.build_despot(&mut space.despot, &mut space.branches, trials);
+        let certified_upper = crate::bounds::upper(&self.model, belief.known(), viewpoint);
+        let plan = search.plan(&mut space.despot, trials, start, certified_upper);
+        if space.despot.size() <= MOST_KEPT {
+            self.spaces.lock().unwrap_or_else(PoisonError::into_inner).push(space);
+        }
+        Ok(plan)
+    }
+
+    pub(super) fn search<'a>(
+        &'a self,
+        belief: &'a Belief,
+        parallel: bool,
+        out_of_time: &'a (dyn Fn() -> bool + Sync),
+    ) -> Search<'a> {
+        let randoms = (&*self.model, &*self.randoms);
+        Search {
+            model: &self.model,
+            bounds: &self.bounds,
+            scenarios: Scenarios::sampled(randoms, belief, self.depth, parallel),
+            remaining: belief.horizon(),
+            lambda: self.config.regularization,
+            depth: self.depth,
+            discounts: &self.discounts,
+            parallel,
+            out_of_time,
+        }
     }
 }
 
 impl Search<'_> {
-    pub(super) fn into_plan(self, certified_upper: f64) -> Plan {
-        let (tree, tally) = (&self.space.frontier.tree, self.space.frontier.tally);
-        let (root, bounds) = (&tree.nodes[0], tree.root.values);
-        let mut values = Vec::new();
-        for edge in &root.edges {
+    fn plan(&self, despot: &mut Tree, trials: u64, start: Instant, certified_upper: f64) -> Plan {
+        let mut scratch = std::mem::take(&mut despot.scratch);
+        let root = despot[ROOT];
+        let (_, default) = self.default_policy(&root, despot.scenarios(ROOT), &mut scratch.bounds);
+        let shares = &scratch.bounds[0][..self.model.class_count()];
+        let reward = |class: Class| self.model.decision_reward(shares[class.0]);
+        let (mut best, mut values) = ((default, root.default), Vec::new());
+        for edge in root.edges().map(|edge| despot[edge]) {
+            let value = edge.values.lower;
+            if value > best.1 {
+                best = (edge.action, value);
+            }
             match edge.action {
-                Action::Decide(best) => values.extend(self.decisions(best, edge.values.estimate)),
-                Action::Move(_) => values.push((edge.action, edge.values.estimate)),
+                Action::Move(_) => values.push((edge.action, value)),
+                Action::Decide(likely) => values.extend(
+                    self.model
+                        .classes()
+                        .map(|class| (Action::Decide(class), value + reward(class) - reward(likely))),
+                ),
             }
         }
+        let tally = despot.tally;
+        despot.scratch = scratch;
         Plan {
-            action: self.best_action(),
+            action: best.0,
             values,
-            lower: bounds.lower,
-            upper: bounds.upper,
-            certified_lower: (!self.despot.model.ever_repeats()).then_some(if self.regularised() {
-                root.default
-            } else {
-                bounds.lower
-            }),
-            certified_upper: certified_upper.min(bounds.certified),
-            trials: tally.trials,
-            elapsed: self.clock.elapsed(),
+            lower: root.values.lower,
+            upper: root.values.upper,
+            trials,
+            elapsed: start.elapsed(),
             scenario_steps: tally.scenario_steps,
-            expansions: tree.nodes.len() as u64,
-            nodes: tally.nodes,
-            model: Arc::clone(&self.despot.model),
-            space: self.space,
+            expansions: tally.expansions,
+            nodes: despot.size() as u64,
+            certified_lower: None,
+            certified_upper,
+            searched: None,
         }
     }
+}
 
-    /// Whether the bounds are lowered by a price per policy node; the default policy's value never is.
-    fn regularised(&self) -> bool {
-        self.despot.config.regularization > 0.0
-    }
+/// The planner with a fixed budget per step.
+#[derive(Debug, Clone)]
+pub struct BudgetedDespot {
+    /// The planner.
+    pub despot: Despot,
+    /// Its budget per planner step.
+    pub budget: Budget,
+}
 
-    /// The action with the highest value; with regularisation, that with the highest lower bound, or the default
-    /// policy's own if no planned one is worth its price.
-    fn best_action(&self) -> Action {
-        let Despot { model, default_policy, .. } = self.despot;
-        let root = &self.space.frontier.tree.nodes[0];
-        let worth = |edge: &Edge| if self.regularised() { edge.values.lower } else { edge.values.estimate };
-        let best = root
-            .edges
-            .iter()
-            .fold(&root.edges[0], |best, edge| if worth(edge) > worth(best) { edge } else { best });
-        if self.regularised() && worth(best) < root.default {
-            return default_policy.action(model, (&self.space.root, root.remaining), root.viewpoint);
-        }
-        best.action
-    }
-
-    /// Value of each decision: they differ from the best one in their immediate reward only.
-    fn decisions(&self, best: Class, value: f64) -> impl Iterator<Item = (Action, f64)> + '_ {
-        let model = &self.despot.model;
-        let belief = &self.space.root;
-        let reward = |class: Class| model.decision_reward(belief[class.0]);
-        model.classes().map(move |class| (Action::Decide(class), value + reward(class) - reward(best)))
+impl Policy for BudgetedDespot {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
+        Ok(self.despot.plan(belief, viewpoint, self.budget)?.action)
     }
 }

@@ -7,7 +7,6 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rayon::prelude::*;
 
-use super::following::Following;
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::{OneObjectPolicy, dot};
 use crate::belief::{condition, evidence, joint, most_likely};
@@ -19,6 +18,11 @@ use crate::sampling::{Purpose, invert, stream};
 const POINTS: usize = 1000;
 const WALKS: u64 = 2000;
 const LOOKS_PER_WALK: usize = 8;
+/// Convergence tolerance of the value of n unseen objects in n, in units of `r_max`.
+const UNSEEN_TOLERANCE: f64 = 1e-6;
+/// Most unseen objects that are told apart; they differ up to here only where the discount is close to 1.
+const MOST_OBJECTS: usize = 2000;
+
 /// Most sweeps of value iteration.
 const SWEEPS: usize = 200;
 /// Convergence tolerance of value iteration: the largest change of a point's value in one sweep, in units of `r_max`.
@@ -50,7 +54,7 @@ impl OneObjectPolicy {
             }
         }
         policy.thin(model, &points);
-        policy.bound_continuations(model);
+        policy.unseen_values = policy.values_on_ending_belts(model);
         policy
     }
 
@@ -88,7 +92,7 @@ impl OneObjectPolicy {
         let (group_of, groups) = viewpoint_groups(model);
         let plans = (0..groups).map(|s| PlanSet::new(deciding(model, groups, s))).collect();
         let mut policy =
-            Self { group_of, plans, arrival_values: vec![0.0; groups], following: Following::default() };
+            Self { group_of, plans, arrival_values: vec![0.0; groups], unseen_values: Vec::new() };
         policy.evaluate_arrival(model);
         policy
     }
@@ -195,6 +199,21 @@ impl OneObjectPolicy {
                 return;
             }
         }
+    }
+
+    /// Value of 0, 1, 2, ... unseen objects and none behind them, until one more changes next to nothing.
+    pub(super) fn values_on_ending_belts(&self, model: &SortingModel) -> Vec<Vec<f64>> {
+        let arrival = model.arrival().as_slice();
+        let mut values = vec![vec![0.0; self.group_count()]];
+        while let Some(last) = values.last().filter(|_| values.len() < MOST_OBJECTS) {
+            let next: Vec<f64> = (0..last.len()).map(|s| self.best(s, arrival, last).1).collect();
+            let change = next.iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            values.push(next);
+            if change < UNSEEN_TOLERANCE * model.spec().r_max {
+                break;
+            }
+        }
+        values
     }
 }
 

@@ -6,7 +6,6 @@
 use nalgebra::DVector;
 
 use super::OneObjectPolicy;
-use super::following::Following;
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::solve::viewpoint_groups;
 use crate::index::{Class, Viewpoint};
@@ -45,8 +44,8 @@ impl OneObjectPolicy {
             rest = behind;
         }
         let arrival_values = arrival_values.to_vec();
-        let mut policy = Self { group_of, plans, arrival_values, following: Following::default() };
-        policy.bound_continuations(model);
+        let mut policy = Self { group_of, plans, arrival_values, unseen_values: Vec::new() };
+        policy.unseen_values = policy.values_on_ending_belts(model);
         rest.is_empty().then_some(policy)
     }
 }

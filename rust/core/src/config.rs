@@ -1,6 +1,7 @@
 //! How to search, and for how long.
 
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use crate::error::{Result, argument_error};
 use crate::model::SortingModel;
@@ -22,7 +23,7 @@ pub enum Budget {
 }
 
 impl Budget {
-    pub(super) fn check(self) -> Result<()> {
+    pub(crate) fn check(self) -> Result<()> {
         match self {
             Self::Trials(0) | Self::Time(Duration::ZERO) => {
                 argument_error("the budget is 0; give at least one trial, or a time above 0 seconds")
@@ -52,7 +53,7 @@ impl Default for DespotConfig {
 }
 
 impl DespotConfig {
-    pub(super) fn check(&self, model: &SortingModel) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         if !(1..=MOST_SCENARIOS).contains(&self.scenarios) {
             return argument_error(format!(
                 "scenarios = {}; give between 1 and {MOST_SCENARIOS}, 500 for example",
@@ -72,20 +73,58 @@ impl DespotConfig {
                 "depth = {depth}; look at least 1 and at most {DEEPEST} steps ahead, or leave depth out"
             ));
         }
-        let positions = u32::try_from(model.position_count()).unwrap_or(u32::MAX);
-        if (model.class_count() as u64).checked_pow(positions).is_none() {
-            return argument_error(format!(
-                "{} classes at {} positions give more label vectors than 64 bits can number; plan for fewer positions",
-                model.class_count(),
-                model.position_count()
-            ));
-        }
         Ok(())
     }
 
-    pub(super) fn depth_for(&self, model: &SortingModel) -> usize {
+    pub(crate) fn depth_for(&self, model: &SortingModel) -> usize {
         let far = (NEGLIGIBLE.ln() / model.discount().ln()).ceil().clamp(1.0, DEEPEST as f64);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped
         self.depth.unwrap_or(far as usize)
+    }
+}
+
+/// The time and the trials that a search has.
+pub(crate) struct Clock<'a> {
+    budget: Budget,
+    stop: &'a AtomicBool,
+    start: Instant,
+    trials: u64,
+    /// When the last trial ended, and the longest one.
+    last: Instant,
+    longest: Duration,
+}
+
+impl<'a> Clock<'a> {
+    /// A clock that starts now.
+    pub(crate) fn started(budget: Budget, stop: &'a AtomicBool) -> Self {
+        let now = Instant::now();
+        Self { budget, stop, start: now, trials: 0, last: now, longest: Duration::ZERO }
+    }
+
+    /// A trial has been done.
+    pub(crate) fn count(&mut self) {
+        self.trials += 1;
+        let now = Instant::now();
+        self.longest = self.longest.max(now - self.last);
+        self.last = now;
+    }
+
+    /// Whether one more trial may be begun: under a budget of time one that takes as long as the longest so far.
+    pub(crate) fn allows_another(&self) -> bool {
+        !self.stop.load(Ordering::Relaxed)
+            && match self.budget {
+                Budget::Trials(trials) => self.trials < trials,
+                Budget::Time(time) => self.start.elapsed() + self.longest < time,
+            }
+    }
+
+    /// Trials done.
+    pub(crate) fn trials(&self) -> u64 {
+        self.trials
+    }
+
+    /// Time since the start.
+    pub(crate) fn elapsed(&self) -> Duration {
+        self.start.elapsed()
     }
 }

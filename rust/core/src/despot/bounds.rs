@@ -1,0 +1,232 @@
+//! Bounds of a node from the class histograms of its scenarios: a default policy's value, and that of knowing all.
+
+use crate::belief::most_likely;
+use crate::index::{Class, Label, Position, Viewpoint};
+use crate::model::{Action, Look, SortingModel};
+use crate::policy::next_moves;
+use crate::remaining::Remaining;
+
+/// Label sequences that the looks at one object may have at most.
+const MOST_SEQUENCES: usize = 1024;
+/// Objects farther away than discounting leaves this much of are as good as endlessly many.
+const NEGLIGIBLE: f64 = 1e-10;
+/// Objects that are told apart from endlessly many at most.
+const MOST_OBJECTS: f64 = 20_000.0;
+
+/// Sweeps for the cost of looking for ever.
+const MOST_SWEEPS: usize = 10_000;
+
+/// What single objects are worth: to the default policy, and to who knows their classes.
+///
+/// The default policy sorts one object after the other: it decides the class most frequent in the node's scenarios,
+/// or looks a fixed number of times and decides by these labels alone, or looks on for ever; whichever is worth most.
+/// The looks decide by the arrival prior, so their value for an object of a given class is a constant of the model
+/// and cannot fit the scenarios; objects that no scan has shown yet are valued by the prior.
+#[derive(Debug)]
+pub(super) struct Bounds {
+    discount: f64,
+    /// Reward of a right decision, and what a wrong one has less.
+    reward: (f64, f64),
+    classes: usize,
+    positions: usize,
+    /// From each viewpoint.
+    looks: Vec<Looks>,
+    /// Looking for ever from each viewpoint; minus infinity where that is impossible.
+    forever: Vec<f64>,
+    /// `[objects][viewpoint]`: the default policy's value for so many unseen objects; the last for endlessly many.
+    unseen: Vec<Vec<f64>>,
+    /// `[objects]`: deciding so many objects right, one a step; the last for endlessly many.
+    knowing: Vec<f64>,
+}
+
+/// Looks at the object at the belt end, then the decision by their labels.
+#[derive(Debug, Clone)]
+struct Looks {
+    /// Discounted reward for an object of each class.
+    worth: Vec<f64>,
+    /// Discount up to the step after the decision.
+    discount: f64,
+    /// The first move.
+    first: Option<Viewpoint>,
+    /// Where the camera stands afterwards.
+    end: Viewpoint,
+}
+
+/// The scenarios at a node as its bounds see them.
+pub(super) struct Histogram<'a> {
+    /// Share of each class at each position where an object is left.
+    pub shares: &'a [f64],
+    /// Objects left to decide.
+    pub remaining: Remaining,
+    /// Where the camera stands.
+    pub viewpoint: Viewpoint,
+    /// Whether no label from here can repeat one already seen at the belt end.
+    pub fresh: bool,
+}
+
+impl Bounds {
+    pub(super) fn new(model: &SortingModel) -> Self {
+        let spec = model.spec();
+        let far = (NEGLIGIBLE.ln() / spec.discount.ln()).ceil().min(MOST_OBJECTS);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 1 and MOST_OBJECTS
+        let objects = far as usize;
+        let knowing = std::iter::successors(Some(0.0), |value| Some(spec.r_max + spec.discount * value));
+        let mut bounds = Self {
+            discount: spec.discount,
+            reward: (spec.r_max, spec.r_max + spec.r_min),
+            classes: model.class_count(),
+            positions: model.position_count(),
+            looks: Vec::new(),
+            forever: Vec::new(),
+            unseen: Vec::new(),
+            knowing: knowing.take(objects).chain([spec.r_max / (1.0 - spec.discount)]).collect(),
+        };
+        let mut best = f64::NEG_INFINITY;
+        for target in model.viewpoints() {
+            for looks in (0..).take_while(|looks| sequences(model, *looks) <= MOST_SEQUENCES) {
+                let (plans, forever) = plans(model, target, looks);
+                let unseen = values_of_unseen(model, &plans, &forever, objects);
+                let worth = unseen[objects].iter().sum();
+                if worth > best {
+                    best = worth;
+                    (bounds.looks, bounds.forever, bounds.unseen) = (plans, forever, unseen);
+                }
+            }
+        }
+        bounds
+    }
+
+    /// What so many objects would be worth to who knows their classes: the fully observable upper bound.
+    pub(super) fn upper(&self, remaining: Remaining) -> f64 {
+        self.knowing[self.number(remaining)]
+    }
+
+    /// The default policy's value and its first action, `L_0` of the DESPOT paper.
+    #[inline(always)]
+    pub(super) fn default_policy(&self, at: &Histogram<'_>, scratch: &mut Vec<f64>) -> (f64, Action) {
+        let unseen = &self.unseen[self.number(at.remaining.unseen(self.positions))];
+        let visible = at.remaining.visible(self.positions);
+        // Entry i: the value with the camera where i rounds of looks have left it.
+        let after = |viewpoint: &Viewpoint| Some(self.looks[viewpoint.0].end);
+        let viewpoints = || std::iter::successors(Some(at.viewpoint), after);
+        scratch.clear();
+        scratch.extend(viewpoints().take(visible + 1).map(|viewpoint| unseen[viewpoint.0]));
+        let mut action = Action::Decide(Class(0));
+        for (position, shares) in at.shares.chunks_exact(self.classes).enumerate().rev() {
+            let (class, share) = most_likely(shares);
+            let reward = self.reward.0 - (1.0 - share) * self.reward.1;
+            for (round, viewpoint) in viewpoints().take(position + 1).enumerate() {
+                let looks = &self.looks[viewpoint.0];
+                let decided = reward + self.discount * scratch[round];
+                let mut looked = self.forever[viewpoint.0];
+                if position > 0 || at.fresh {
+                    looked = looked.max(looks.value(shares) + looks.discount * scratch[round + 1]);
+                }
+                scratch[round] = decided.max(looked);
+                action = match looks.first {
+                    Some(first) if looked > decided => Action::Move(first),
+                    _ => Action::Decide(class),
+                };
+            }
+        }
+        (scratch[0], action)
+    }
+
+    fn number(&self, remaining: Remaining) -> usize {
+        let endless = self.knowing.len() - 1;
+        remaining.0.map_or(endless, |objects| objects.min(endless))
+    }
+}
+
+impl Looks {
+    #[inline(always)]
+    fn value(&self, shares: &[f64]) -> f64 {
+        self.worth.iter().zip(shares).map(|(worth, share)| worth * share).sum()
+    }
+}
+
+/// Label sequences of so many looks.
+fn sequences(model: &SortingModel, looks: u32) -> usize {
+    model.class_count().checked_pow(looks).unwrap_or(usize::MAX)
+}
+
+/// From each viewpoint: so many looks on the way to `target` and at it, and looking like that for ever.
+fn plans(model: &SortingModel, target: Viewpoint, looks: u32) -> (Vec<Looks>, Vec<f64>) {
+    let next = next_moves(model, target);
+    let plan = |viewpoint: Viewpoint| {
+        let path = std::iter::successors(next[viewpoint.0], |at| next[at.0]).take(looks as usize).collect();
+        Path { model, path }.looks(viewpoint)
+    };
+    // From below: a lower bound whenever the sweeps stop.
+    let dearest = model.viewpoints().filter_map(|from| next[from.0].map(|to| model.motion_cost(from, to)));
+    let dearest = dearest.fold(0.0, f64::max);
+    let mut forever = vec![-dearest / (1.0 - model.discount()); next.len()];
+    for _ in 0..MOST_SWEEPS {
+        let step = |(from, to): (Viewpoint, &Option<Viewpoint>)| {
+            to.map_or(f64::NEG_INFINITY, |to| model.discount() * forever[to.0] - model.motion_cost(from, to))
+        };
+        let once_more: Vec<f64> = model.viewpoints().zip(&next).map(step).collect();
+        if once_more == forever {
+            break;
+        }
+        forever = once_more;
+    }
+    (model.viewpoints().map(plan).collect(), forever)
+}
+
+/// Viewpoints from which one object is looked at.
+struct Path<'a> {
+    model: &'a SortingModel,
+    path: Vec<Viewpoint>,
+}
+
+impl Path<'_> {
+    fn looks(&self, from: Viewpoint) -> Looks {
+        let Self { model, path } = self;
+        let (mut at, mut discount, mut cost) = (from, 1.0, 0.0);
+        for &to in path {
+            cost += discount * model.motion_cost(at, to);
+            (at, discount) = (to, discount * model.discount());
+        }
+        let mut right = vec![0.0; model.class_count()];
+        self.decide(&mut Vec::new(), &vec![1.0; model.class_count()], &mut right);
+        let worth = |right: &f64| discount * model.decision_reward(*right) - cost;
+        Looks {
+            worth: right.iter().map(worth).collect(),
+            discount: discount * model.discount(),
+            first: path.first().copied(),
+            end: at,
+        }
+    }
+
+    /// Add to `right` how likely each class gives the labels by which it is decided, those seen so far coming first.
+    fn decide(&self, seen: &mut Vec<Label>, likelihoods: &[f64], right: &mut [f64]) {
+        let Self { model, path } = self;
+        let Some(&viewpoint) = path.get(seen.len()) else {
+            let joint: Vec<f64> = likelihoods.iter().zip(model.arrival()).map(|(l, p)| l * p).collect();
+            let (class, _) = most_likely(&joint);
+            right[class.0] += likelihoods[class.0];
+            return;
+        };
+        let last = path.iter().zip(&*seen).rev().find(|(from, _)| **from == viewpoint).map(|(_, z)| *z);
+        for label in model.labels() {
+            let of_label = model.likelihoods(Look { position: Position(0), viewpoint, last }, label);
+            let likelihoods: Vec<f64> = likelihoods.iter().zip(of_label).map(|(l, p)| l * p).collect();
+            seen.push(label);
+            self.decide(seen, &likelihoods, right);
+            seen.pop();
+        }
+    }
+}
+
+/// The default policy's values for 0 to `objects` unseen objects, from each viewpoint.
+fn values_of_unseen(model: &SortingModel, plans: &[Looks], forever: &[f64], objects: usize) -> Vec<Vec<f64>> {
+    let arrival = model.arrival().as_slice();
+    let more = |fewer: &Vec<f64>| {
+        let value = |(looks, forever): (&Looks, &f64)| {
+            forever.max(looks.value(arrival) + looks.discount * fewer[looks.end.0])
+        };
+        Some(plans.iter().zip(forever).map(value).collect())
+    };
+    std::iter::successors(Some(vec![0.0; plans.len()]), more).take(objects + 1).collect()
+}

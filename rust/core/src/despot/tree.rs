@@ -1,0 +1,334 @@
+//! The arena that a DESPOT lives in, and branches of it that grow apart.
+
+use std::ops::{Index, IndexMut, Range};
+
+use super::step::Scratch;
+use crate::belief::Belief;
+use crate::index::{Label, Position, Viewpoint};
+use crate::model::{Action, SortingModel};
+
+/// A belief node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct NodeId(u32);
+
+/// A belief node's action.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct EdgeId(u32);
+
+/// `b_0`, or the leaf that a branch grows from.
+pub(super) const ROOT: NodeId = NodeId(0);
+
+/// Scenarios of one word of a plane; only words with any are kept.
+pub(super) type Word = (u32, u64);
+
+/// Values of a node or an edge, weighted by its share of the scenarios and discounted down to it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Values {
+    /// `l`: lower bound of the regularised value.
+    pub lower: f64,
+    /// `mu`: upper bound of the regularised value.
+    pub upper: f64,
+    /// `U`: upper bound of the value without regularisation.
+    pub utility: f64,
+}
+
+impl Values {
+    pub(super) fn all(value: f64) -> Self {
+        Self { lower: value, upper: value, utility: value }
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            lower: self.lower + other.lower,
+            upper: self.upper + other.upper,
+            utility: self.utility + other.utility,
+        }
+    }
+
+    pub(super) fn max(self, other: Self) -> Self {
+        Self {
+            lower: self.lower.max(other.lower),
+            upper: self.upper.max(other.upper),
+            utility: self.utility.max(other.utility),
+        }
+    }
+}
+
+/// `b` of the paper: a history of actions and labels.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Node {
+    /// The action that has led here.
+    pub parent: Option<EdgeId>,
+    /// `Delta(b)`: planner steps since the root.
+    pub depth: usize,
+    /// Decisions since the root.
+    pub decisions: usize,
+    /// Where the camera stands.
+    pub viewpoint: Viewpoint,
+    /// Whether no label from any viewpoint can repeat one already seen at the belt end.
+    pub fresh: bool,
+    /// The labels of the scan that has led here, as digits in base L, the belt end's last.
+    pub labels: Option<u64>,
+    /// `|Phi_b|`: how many scenarios come here.
+    pub count: u32,
+    /// Which: `Phi_b`, a range of the tree's words.
+    pub scenarios: (u32, u32),
+    /// The actions, all or none.
+    pub edges: (u32, u32),
+    /// `l_0`: the default policy's value.
+    pub default: f64,
+    pub values: Values,
+    /// Whether MAKE-DEFAULT has settled its values.
+    pub settled: bool,
+}
+
+impl Node {
+    pub(super) fn is_leaf(&self) -> bool {
+        self.edges.0 == self.edges.1
+    }
+
+    pub(super) fn edges(&self) -> impl Iterator<Item = EdgeId> + use<> {
+        (self.edges.0..self.edges.1).map(EdgeId)
+    }
+
+    pub(super) fn gap(&self) -> f64 {
+        self.values.upper - self.values.lower
+    }
+}
+
+/// An action at a node.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    pub from: NodeId,
+    pub action: Action,
+    /// Weighted and discounted, without the regularisation: `rho(b, a) + lambda`.
+    pub reward: f64,
+    children: (u32, u32),
+    pub values: Values,
+}
+
+impl Edge {
+    pub(super) fn children(&self) -> impl Iterator<Item = NodeId> + use<> {
+        (self.children.0..self.children.1).map(NodeId)
+    }
+}
+
+/// A DESPOT, or the branch of one that grows from a leaf.
+#[derive(Debug, Default)]
+pub(super) struct Tree {
+    nodes: Vec<Node>,
+    edges: Vec<Edge>,
+    words: Vec<Word>,
+    /// `U - l_0` of the nodes above the root, the nearest first.
+    pub above: Vec<f64>,
+    /// The last labels at the root, entry `position * K + viewpoint`; none for a model that never repeats.
+    memory: Vec<Option<Label>>,
+    /// What has been done here.
+    pub tally: Tally,
+    pub scratch: Scratch,
+}
+
+/// Counts of work.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Tally {
+    /// One scenario, one step.
+    pub scenario_steps: u64,
+    pub expansions: u64,
+    /// Nodes made default because they were blocked.
+    pub pruned: u64,
+}
+
+impl Index<NodeId> for Tree {
+    type Output = Node;
+
+    fn index(&self, node: NodeId) -> &Node {
+        &self.nodes[node.0 as usize]
+    }
+}
+
+impl IndexMut<NodeId> for Tree {
+    fn index_mut(&mut self, node: NodeId) -> &mut Node {
+        &mut self.nodes[node.0 as usize]
+    }
+}
+
+impl Index<EdgeId> for Tree {
+    type Output = Edge;
+
+    fn index(&self, edge: EdgeId) -> &Edge {
+        &self.edges[edge.0 as usize]
+    }
+}
+
+impl IndexMut<EdgeId> for Tree {
+    fn index_mut(&mut self, edge: EdgeId) -> &mut Edge {
+        &mut self.edges[edge.0 as usize]
+    }
+}
+
+/// Indices of the arena as it stores them; memory ends long before 2^32 of them.
+#[allow(clippy::cast_possible_truncation)]
+fn id(index: usize) -> u32 {
+    index as u32
+}
+
+fn range((from, to): (u32, u32)) -> Range<usize> {
+    from as usize..to as usize
+}
+
+impl Tree {
+    fn clear(&mut self) {
+        self.nodes.clear();
+        self.edges.clear();
+        self.words.clear();
+        self.above.clear();
+        self.memory.clear();
+        self.tally = Tally::default();
+    }
+
+    /// Start from a belief with these scenarios: the root is still to be added.
+    pub(super) fn restart(&mut self, model: &SortingModel, belief: &Belief) {
+        self.clear();
+        if model.ever_repeats() {
+            let (h, k) = (model.position_count(), model.viewpoint_count());
+            self.memory
+                .extend((0..h * k).map(|at| belief.last_label(model, Position(at / k), Viewpoint(at % k))));
+        }
+    }
+
+    /// Number of belief nodes.
+    pub(super) fn size(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// A belief with these scenarios.
+    #[inline(always)]
+    pub(super) fn add_node(&mut self, node: Node, scenarios: &[Word]) {
+        let from = id(self.words.len());
+        self.words.extend_from_slice(scenarios);
+        self.nodes.push(Node { scenarios: (from, id(self.words.len())), ..node });
+    }
+
+    /// A belief with the scenarios of another.
+    #[inline(always)]
+    pub(super) fn add_node_like(&mut self, node: Node, other: NodeId) {
+        let scenarios = self[other].scenarios;
+        self.nodes.push(Node { scenarios, ..node });
+    }
+
+    /// The edge that is added next.
+    pub(super) fn next_edge(&self) -> EdgeId {
+        EdgeId(id(self.edges.len()))
+    }
+
+    /// An action of a node; its children are the nodes added since there were `first`.
+    pub(super) fn add_edge(&mut self, from: NodeId, action: Action, reward: f64, first: usize) {
+        let edge = self.next_edge();
+        let children = (id(first), id(self.nodes.len()));
+        self.edges.push(Edge { from, action, reward, children, values: Values::default() });
+        let node = &mut self[from];
+        node.edges = if node.is_leaf() { (edge.0, edge.0 + 1) } else { (node.edges.0, edge.0 + 1) };
+    }
+
+    /// `Phi_b`.
+    pub(super) fn scenarios(&self, node: NodeId) -> &[Word] {
+        &self.words[range(self[node].scenarios)]
+    }
+
+    /// The node that an action has led from.
+    pub(super) fn parent(&self, node: NodeId) -> Option<NodeId> {
+        self[node].parent.map(|edge| self[edge].from)
+    }
+
+    /// The path to the root, the node itself first.
+    pub(super) fn path(&self, node: NodeId) -> impl Iterator<Item = &Node> {
+        std::iter::successors(Some(node), |node| self.parent(*node)).map(|node| &self[node])
+    }
+
+    /// The label that a position gave from a viewpoint before, on the way to a node and since the belt last moved;
+    /// `None` where none can be repeated.
+    pub(super) fn last_label(
+        &self,
+        model: &SortingModel,
+        node: NodeId,
+        (position, viewpoint): (Position, Viewpoint),
+    ) -> Option<Label> {
+        if model.repeat(position, viewpoint) <= 0.0 {
+            return None;
+        }
+        for node in self.path(node) {
+            if let Some(labels) = node.labels.filter(|_| node.viewpoint == viewpoint) {
+                return Some(nth_label(model, labels, position));
+            }
+            match node.parent {
+                Some(edge) if matches!(self[edge].action, Action::Decide(_)) => return None,
+                _ => {}
+            }
+        }
+        self.memory.get(position.0 * model.viewpoint_count() + viewpoint.0).copied().flatten()
+    }
+
+    /// A branch that grows from a leaf; it knows what searching below the leaf needs to know of what is above.
+    pub(super) fn branch(&self, model: &SortingModel, leaf: NodeId, branch: &mut Tree) {
+        branch.clear();
+        if model.ever_repeats() {
+            let (h, k) = (model.position_count(), model.viewpoint_count());
+            branch.memory.extend(
+                (0..h * k).map(|at| self.last_label(model, leaf, (Position(at / k), Viewpoint(at % k)))),
+            );
+        }
+        let above = self.path(leaf).skip(1).map(|node| node.values.utility - node.default);
+        branch.above.extend(above.chain(self.above.iter().copied()));
+        branch.words.extend_from_slice(self.scenarios(leaf));
+        let scenarios = (0, id(branch.words.len()));
+        branch.nodes.push(Node { parent: None, labels: None, scenarios, ..self[leaf] });
+    }
+
+    /// Put a grown branch where it has grown from.
+    pub(super) fn graft(&mut self, leaf: NodeId, branch: &Tree) {
+        // The branch's node 0 is the leaf, its node 1 the next one here.
+        let (nodes, edges, words) = (id(self.nodes.len()) - 1, id(self.edges.len()), id(self.words.len()));
+        let shift = |(from, to): (u32, u32), by: u32| (from + by, to + by);
+        let node = |node: NodeId| if node == ROOT { leaf } else { NodeId(node.0 + nodes) };
+        let edge = |edge: EdgeId| EdgeId(edge.0 + edges);
+        let Some((root, others)) = branch.nodes.split_first() else { return };
+        self.words.extend_from_slice(&branch.words);
+        self.nodes.extend(others.iter().map(|node| Node {
+            parent: node.parent.map(edge),
+            scenarios: shift(node.scenarios, words),
+            edges: shift(node.edges, edges),
+            ..*node
+        }));
+        self.edges.extend(branch.edges.iter().map(|edge| Edge {
+            from: node(edge.from),
+            children: shift(edge.children, nodes),
+            ..*edge
+        }));
+        let grown = &mut self[leaf];
+        (grown.values, grown.settled) = (root.values, root.settled);
+        grown.edges = shift(root.edges, edges);
+        self.tally.scenario_steps += branch.tally.scenario_steps;
+        self.tally.expansions += branch.tally.expansions;
+        self.tally.pruned += branch.tally.pruned;
+    }
+}
+
+/// The one with the largest value, the first among equals.
+pub(super) fn first_best<T: Copy>(among: impl Iterator<Item = T>, value: impl Fn(T) -> f64) -> Option<T> {
+    among
+        .fold(None, |best: Option<(T, f64)>, next| {
+            let value = value(next);
+            if best.is_none_or(|(_, best)| value > best) { Some((next, value)) } else { best }
+        })
+        .map(|(best, _)| best)
+}
+
+/// A position's label, given the code of a scan's labels: digits in base L, the belt end's last.
+fn nth_label(model: &SortingModel, labels: u64, position: Position) -> Label {
+    let base = model.class_count() as u64;
+    let digit = (0..position.0).fold(labels, |code, _| code / base) % base;
+    // A digit is below L, which is a usize.
+    #[allow(clippy::cast_possible_truncation)]
+    let label = Label(digit as usize);
+    label
+}
