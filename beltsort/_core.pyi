@@ -18,9 +18,9 @@ __all__ = [
     "Evaluation",
     "ImpossibleObservationError",
     "InformationGain",
+    "LookAhead",
     "ModelError",
     "Move",
-    "LookAhead",
     "OneObject",
     "Plan",
     "PolicyError",
@@ -244,7 +244,9 @@ class InformationGain:
 
 @final
 class LookAhead:
-    def __new__(cls, model: SortingModel, depth: int = 1, *, scenarios: int = 500, seed: int = 0) -> LookAhead: ...
+    def __new__(
+        cls, model: SortingModel, depth: int = 1, *, scenarios: int = 500, seed: int = 0
+    ) -> LookAhead: ...
     @property
     def model(self) -> SortingModel: ...
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide: ...

@@ -8,6 +8,7 @@ from beltsort._core import (
     ArgumentError,
     Despot,
     InformationGain,
+    LookAhead,
     OneObject,
     Solution,
     SortingModel,
@@ -18,8 +19,9 @@ from beltsort.planning.policy import Policy
 
 DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
 HELP = (
-    f"despot[:TRIALS] (default {DEFAULT_TRIALS}), despot:SECONDSs (despot:0.01s), threshold:T, "
-    "information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (solves first; default 60s), "
+    f"despot[:TRIALS] (default {DEFAULT_TRIALS}), despot:SECONDSs (despot:0.01s), "
+    "despot-scenarios[:BUDGET[:LAMBDA]] (as published; default lambda 0.1), look-ahead[:DEPTH] (default 1), "
+    "threshold:T, information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (default 60s), "
     "solution:FILE (written by `beltsort solve`)"
 )
 
@@ -69,8 +71,16 @@ def _seconds(text: str) -> float:
     return float(text.removesuffix("s"))
 
 
+def _despot_as_published(
+    model: SortingModel, budget: str = str(DEFAULT_TRIALS), regularization: str = "0.1", **settings: Any
+) -> Policy:
+    return _despot(model, budget, variant="scenarios", regularization=float(regularization), **settings)
+
+
 KINDS: dict[str, Callable[..., Policy]] = {
     "despot": _despot,
+    "despot-scenarios": _despot_as_published,
+    "look-ahead": lambda model, depth="1": LookAhead(model, int(depth)),
     "threshold": lambda model, threshold: Threshold(model, float(threshold)),
     "information-gain": lambda model, threshold, positions="1": InformationGain(
         model, float(threshold), int(positions)

@@ -11,7 +11,7 @@ from beltsort.sim import CellConfig
 from beltsort.util.naming import nearest_of
 
 NOT_VARIED = {"classes", "viewpoints", "p_obs", "counts", "smoothing", "note"}
-DESPOT = ("planner.scenarios", "planner.regularization", "planner.depth")
+DESPOT = ("planner.scenarios", "planner.depth")
 
 
 def _leaves(settings: object, prefix: str) -> list[str]:

@@ -2,13 +2,13 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal, TypeAlias, get_args
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel, evaluate
+from beltsort import ArgumentError, Belief, Decide, Despot, Move, Plan, SortingModel, evaluate
 from tests.interrupting import interrupted
 from tests.laws import cases
 
@@ -16,40 +16,67 @@ from .models import random_belief, random_model
 from .trees import nodes
 
 SEEDS = st.integers(0, 10_000)
+Variant: TypeAlias = Literal["beliefs", "scenarios"]
+VARIANTS: tuple[Variant, ...] = get_args(Variant)
 
 
 def facts(plan: Plan) -> tuple[object, ...]:
     counters = (plan.trials, plan.nodes, plan.expansions, plan.scenario_steps)
     certified = (plan.certified_lower, plan.certified_upper)
-    return plan.action, plan.values, plan.lower, plan.upper, certified, *counters, plan.tree(2)
+    tree = plan.tree(2) if plan.certified_lower is not None else None
+    return plan.action, plan.values, plan.lower, plan.upper, certified, *counters, tree
 
 
 @pytest.mark.slow
-def test_trials_are_reproducible_for_any_number_of_threads(paper: SortingModel) -> None:
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_trials_are_reproducible_for_any_number_of_threads(paper: SortingModel, variant: Variant) -> None:
     belief = random_belief(paper, 1)
     plans = []
     for threads in (1, 2, 4, 8):
-        planner = Despot(paper, scenarios=2000, seed=3, trials=700, threads=threads)
+        planner = Despot(paper, scenarios=2000, seed=3, trials=700, threads=threads, variant=variant)
         plans += [planner.plan(belief, 1), planner.plan(belief, 1)]
     assert all(facts(plan) == facts(plans[0]) for plan in plans)
-    assert facts(Despot(paper, scenarios=2000, seed=4, trials=700).plan(belief, 1)) != facts(plans[0])
+    other = Despot(paper, scenarios=2000, seed=4, trials=700, variant=variant)
+    assert facts(other.plan(belief, 1)) != facts(plans[0])
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_settings_make_the_same_planner_again(paper: SortingModel, variant: Variant) -> None:
+    planner = Despot(paper, scenarios=50, seed=5, trials=30, depth=20, variant=variant)
+    again = Despot(paper, **planner.settings)
+    assert again.settings == planner.settings
+    assert facts(again.plan(Belief(paper))) == facts(planner.plan(Belief(paper)))
+
+
+def test_the_published_variant_is_regularised_and_keeps_no_tree(paper: SortingModel) -> None:
+    def plan(regularization: float) -> Plan:
+        planner = Despot(paper, regularization=regularization, trials=300, variant="scenarios")
+        return planner.plan(Belief(paper))
+
+    free, dear = plan(0.0), plan(1e3)
+    assert dear.lower < free.lower
+    assert dear.certified_lower is None
+    assert max(dear.values.values()) < dear.lower, "no node is worth its price"
+    with pytest.raises(ArgumentError, match="variant"):
+        dear.tree()
 
 
 @pytest.mark.slow
 @cases(8)
-@given(seed=SEEDS, regularization=st.sampled_from([0.0, 0.1]))
-def test_bounds_tighten_with_trials(seed: int, regularization: float) -> None:
+@given(seed=SEEDS, variant=st.sampled_from(VARIANTS))
+def test_bounds_tighten_with_trials(seed: int, variant: Variant) -> None:
     model = random_model(seed)
-    planner = Despot(model, scenarios=100, regularization=regularization, trials=1)
+    regularization = 0.1 if variant == "scenarios" else None
+    planner = Despot(model, scenarios=100, regularization=regularization, trials=1, variant=variant)
     belief = random_belief(model, seed)
     plans = [planner.plan(belief, trials=n) for n in (1, 2, 4, 8, 16, 32, 64)]
     for before, after in pairwise(plans):
         assert before.lower <= after.lower <= after.upper <= before.upper
     assert plans[-1].upper < plans[0].upper
     for plan in plans:
-        assert plan.certified_lower is not None
         assert plan.certified_upper is not None
-        assert plan.certified_lower <= plan.certified_upper
+        assert (plan.certified_lower is None) == (variant == "scenarios")
+        assert plan.certified_lower is None or plan.certified_lower <= plan.certified_upper
 
 
 @pytest.mark.slow

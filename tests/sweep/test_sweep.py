@@ -68,11 +68,11 @@ def test_the_command_prints_one_object_and_resumes(
     given = ["sweep", str(tmp_path / "grid.toml"), "--workers", "1"]
     assert main([*given, "--json"]) == 0
     first = capsys.readouterr()
-    assert "points 0 of 12 are there" in first.err
+    assert "points 0 of 12 done before" in first.err
     rows = json.loads(first.out)["rows"]
     assert main(given) == 0
     again = capsys.readouterr()
-    assert "points 12 of 12 are there" in again.err
+    assert "points 12 of 12 done before" in again.err
     assert len(again.out.splitlines()) == 1 + len(rows) + 1
     assert parquet.read_table(tmp_path / "grid" / "rows.parquet").num_rows == len(rows)
 
