@@ -2,7 +2,8 @@
 //!
 //! Value iteration on a belief grid bounds V* from above everywhere ([`upper`], [`value_iteration`]). Search in the
 //! graph of exactly reachable beliefs lowers that bound at the start ([`graph`], [`reach`]). Its policy, continued by
-//! itself where the graph ends, is valued exactly and so bounds V* from below ([`controller`]). Each bound is proved,
+//! itself where the graph ends, is valued exactly and so bounds V* from below ([`controller`]). For models too large for
+//! such grids prices bound V* from above, position by position ([`prices`]). Each bound is proved,
 //! not estimated, at any time.
 
 mod alpha;
@@ -12,6 +13,7 @@ mod evaluation;
 mod graph;
 mod neighbourhoods;
 mod objects;
+mod prices;
 mod reach;
 mod saved;
 mod simplex_grid;
@@ -34,6 +36,7 @@ use crate::one_object::OneObjectPolicy;
 use crate::policy::Policy;
 use crate::remaining::Remaining;
 use alpha::AlphaVectors;
+use prices::PricedBound;
 use upper::GridBound;
 use watch::{Progress, Watch};
 
@@ -48,18 +51,23 @@ struct LeafBounds {
     policy: OneObjectPolicy,
     /// For models that [`upper`] is proved for.
     grid: Option<Arc<GridBound>>,
-    /// Likewise; values of policies.
+    /// For the others.
+    prices: Option<Arc<PricedBound>>,
+    /// Values of policies, of models with a grid.
     alphas: Option<AlphaVectors>,
 }
 
 impl LeafBounds {
     fn bounds(&self, model: &SortingModel, belief: &[f64], viewpoint: Viewpoint) -> (f64, f64) {
         let lower = self.policy.value(model, (belief, Remaining::ENDLESS), viewpoint);
-        let upper = bounds::upper(model, (belief, Remaining::ENDLESS), viewpoint);
-        (
-            self.alphas.as_ref().map_or(lower, |alphas| alphas.value(model, belief).max(lower)),
-            self.grid.as_ref().map_or(upper, |grid| grid.value(belief).min(upper)),
-        )
+        let lower = self.alphas.as_ref().map_or(lower, |alphas| alphas.value(model, belief).max(lower));
+        (lower, self.upper(model, belief, viewpoint))
+    }
+
+    fn upper(&self, model: &SortingModel, belief: &[f64], viewpoint: Viewpoint) -> f64 {
+        let closed = bounds::upper(model, (belief, Remaining::ENDLESS), viewpoint);
+        let grid = self.grid.as_ref().map_or(closed, |grid| grid.value(belief).min(closed));
+        self.prices.as_ref().map_or(grid, |prices| prices.value(belief, viewpoint).min(grid))
     }
 }
 
@@ -79,12 +87,12 @@ pub struct Solution {
 impl Solution {
     /// Solve a model for about `time`, or until the gap is closed, or until `stop` is set.
     ///
-    /// For one or two positions and viewpoints that are all alike the bounds are tight; otherwise the upper one is
-    /// a closed form (every class known from the next step on) and the search alone narrows the gap, slowly.
+    /// For one or two positions and viewpoints that are all alike the bounds are tight. For other models the upper one
+    /// is a Lagrangian relaxation by prices, and the lower one from the one-object policy; where label vectors can be enumerated (4096
+    /// per scan), a search narrows the gap.
     ///
     /// # Errors
-    /// [`crate::Error::Argument`] if the time is 0, or a scan has more than 4096 label vectors; [`crate::Error::Model`]
-    /// for a model beyond the paper's.
+    /// [`crate::Error::Argument`] if the time is 0; [`crate::Error::Model`] for a model beyond the paper's.
     pub fn solve(
         model: &SortingModel,
         time: Duration,
@@ -92,15 +100,21 @@ impl Solution {
         progress: Progress<'_>,
     ) -> Result<Self> {
         model.check_plain()?;
-        check(model, time)?;
+        if time.is_zero() {
+            return argument_error("seconds = 0; give a time above 0, 60 for example");
+        }
         let arrival = Belief::new(model).as_slice().to_vec();
         let policy = OneObjectPolicy::solve(model);
-        let mut leaves = LeafBounds { policy, grid: None, alphas: None };
+        let mut leaves = LeafBounds { policy, grid: None, prices: None, alphas: None };
         let watch = Watch::new(time, stop, progress, leaves.bounds(model, &arrival, Viewpoint(0)));
         if all_alike(model) {
             leaves.grid = Some(Arc::new(stages::tightened_grid(model, &watch)));
+        } else {
+            leaves.prices = Some(Arc::new(PricedBound::improved(model, &watch, stages::GRID_UNTIL)));
         }
-        leaves.alphas = stages::searched(model, &leaves, &arrival, &watch);
+        if enumerable(model) {
+            leaves.alphas = stages::searched(model, &leaves, &arrival, &watch);
+        }
         leaves.grid = leaves.grid.map(|grid| stages::thinned(model, grid));
         let slack = SLACK * model.spec().r_max;
         let (lower, upper) = watch.bounds();
@@ -159,7 +173,8 @@ impl Solution {
 
     /// The upper bound, where it is more than the closed form.
     pub(crate) fn certificate(&self) -> Option<Certificate> {
-        self.leaves.grid.clone().map(Certificate)
+        let grid = self.leaves.grid.clone().map(Source::Grid);
+        grid.or_else(|| self.leaves.prices.clone().map(Source::Prices)).map(Certificate)
     }
 
     /// The model solved.
@@ -170,32 +185,22 @@ impl Solution {
 }
 
 impl Policy for Solution {
-    /// The action that is best one exact step ahead of the upper bound; without a grid, the one-object policy's.
+    /// The action that is best one exact step ahead of the upper bound.
     fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
-        let belief = belief.as_slice();
-        Ok(match &self.leaves.grid {
-            Some(grid) => grid.look_ahead(&self.model, belief, viewpoint).0,
-            None => self.leaves.policy.action(&self.model, (belief, Remaining::ENDLESS), viewpoint),
-        })
+        let (known, belief) = (&self.leaves, belief.as_slice());
+        let grid = known.grid.as_ref().map(|grid| grid.look_ahead(&self.model, belief, viewpoint).0);
+        let priced = || known.prices.as_ref().map(|prices| prices.look_ahead(belief, viewpoint).0);
+        let one_object = || known.policy.action(&self.model, (belief, Remaining::ENDLESS), viewpoint);
+        Ok(grid.or_else(priced).unwrap_or_else(one_object))
     }
 }
 
-fn check(model: &SortingModel, time: Duration) -> Result<()> {
-    if time.is_zero() {
-        return argument_error("seconds = 0; give a time above 0, 60 for example");
-    }
+/// Whether the label vectors of a scan can be enumerated.
+fn enumerable(model: &SortingModel) -> bool {
     let positions = u32::try_from(model.position_count()).unwrap_or(u32::MAX);
-    match (model.class_count() as u64).checked_pow(positions) {
-        Some(labels) if labels <= MOST_LABELS => Ok(()),
-        _ => argument_error(format!(
-            "{} classes at {} positions give more than {MOST_LABELS} label vectors; solve enumerates them: \
-             keep fewer positions with with_positions",
-            model.class_count(),
-            model.position_count()
-        )),
-    }
+    (model.label_count() as u64).checked_pow(positions).is_some_and(|labels| labels <= MOST_LABELS)
 }
 
 /// Values times classes times moves of a bound that is ready at once.
@@ -203,19 +208,29 @@ const MOST_AT_ONCE: f64 = 2e6;
 
 /// A certified upper bound of V*, for the plans of others.
 #[derive(Debug, Clone)]
-pub(crate) struct Certificate(Arc<GridBound>);
+pub(crate) struct Certificate(Source);
+
+#[derive(Debug, Clone)]
+enum Source {
+    Grid(Arc<GridBound>),
+    Prices(Arc<PricedBound>),
+}
 
 impl Certificate {
     /// One that is ready in a fraction of a second, and loose; for models that [`upper`] has a proof for.
     pub(crate) fn coarse(model: &SortingModel) -> Option<Self> {
         let moves = model.legal_moves(Viewpoint(0)).len().max(1) as f64;
         let grid = || stages::coarse_grid(model, MOST_AT_ONCE / moves, || false);
-        (model.check_plain().is_ok() && all_alike(model)).then(|| Self(Arc::new(grid())))
+        (model.check_plain().is_ok() && all_alike(model)).then(|| Self(Source::Grid(Arc::new(grid()))))
     }
 
     /// The bound at a belief, one exact step ahead.
     pub(crate) fn at(&self, model: &SortingModel, belief: &[f64], viewpoint: Viewpoint) -> f64 {
-        self.0.look_ahead(model, belief, viewpoint).1 + SLACK * model.spec().r_max
+        let (_, ahead) = match &self.0 {
+            Source::Grid(grid) => grid.look_ahead(model, belief, viewpoint),
+            Source::Prices(prices) => prices.look_ahead(belief, viewpoint),
+        };
+        ahead + SLACK * model.spec().r_max
     }
 }
 

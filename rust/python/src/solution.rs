@@ -163,12 +163,15 @@ impl PySolution {
 /// Solve a model offline, with a certificate: ``lower <= V*(b0) <= upper``.
 ///
 /// Both bounds hold whenever it ends. They are tight for one or two positions when all viewpoints have the
-/// same moves at the same costs; for other models the upper bound is loose.
+/// same moves at the same costs. For other models, of any size, the upper bound is a Lagrangian relaxation:
+/// each position has a camera of its own, and prices make them agree. The lower bound is then what following
+/// one-object plans earns, which may be far below.
 ///
 /// Parameters
 /// ----------
 /// model : SortingModel
-///     At most 4096 label vectors (L^H) per scan.
+///     The paper's, without `repeat`, `observe_after_decision` and `information_gain`. Where a scan has more
+///     than 4096 label vectors (L^H), they are not searched.
 /// seconds : float
 ///     Wall-clock time; more brings the bounds together. It ends earlier once they meet, and on Ctrl-C with
 ///     KeyboardInterrupt.
@@ -184,7 +187,14 @@ impl PySolution {
 /// Raises
 /// ------
 /// ArgumentError
-///     For a time that is not above 0, or too many label vectors.
+///     For a time that is not above 0.
+/// ModelError
+///     For a model beyond the paper's.
+///
+/// References
+/// ----------
+/// Adelman & Mersereau, "Relaxations of weakly coupled stochastic dynamic programs", Operations Research 56,
+/// 2008.
 ///
 /// Examples
 /// --------

@@ -12,7 +12,6 @@ use std::ops::Range;
 use super::LeafBounds;
 use super::objects::{ARRIVING, ObjectId, Objects};
 use crate::belief::most_likely;
-use crate::bounds;
 use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel, Step, shift};
 use crate::remaining::Remaining;
@@ -258,11 +257,8 @@ impl<'a> BeliefGraph<'a> {
             return grid.mixture(self.objects.located(objects[0]), behind);
         }
         let belief: Vec<f64> = objects.iter().flat_map(|o| self.objects.belief(*o)).copied().collect();
-        bounds::upper(
-            self.model,
-            (&belief, Remaining::ENDLESS),
-            self.leaves.policy.representative(places[0] as usize),
-        )
+        let viewpoint = self.leaves.policy.representative(places[0] as usize);
+        self.leaves.upper(self.model, &belief, viewpoint)
     }
 }
 

@@ -13,6 +13,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::alpha::{AlphaVectors, joint_classes};
+use super::prices::{PricedBound, SavedPrices};
 use super::upper::{GridBound, Resolution};
 use super::{LeafBounds, Solution};
 use crate::error::{Error, Result, argument_error};
@@ -31,6 +32,9 @@ struct Header {
     seconds: f64,
     /// Nothing for models that are solved without a grid.
     grid: Option<Resolution>,
+    /// Of models that are solved without a grid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    prices: Option<SavedPrices>,
     /// Rows of the policies' values.
     policies: usize,
 }
@@ -80,6 +84,7 @@ impl Solution {
             upper: self.upper,
             seconds: self.elapsed.as_secs_f64(),
             grid: grid.map(|grid| grid.resolution),
+            prices: self.leaves.prices.as_ref().map(|prices| prices.to_saved()),
             policies: alphas.map_or(0, |alphas| alphas.0.nrows()),
         };
         let mut bytes = format!("{FORMAT}{VERSION}\n{}\n", serde_json::to_string(&header)?).into_bytes();
@@ -110,7 +115,11 @@ impl Solution {
         let alphas = grid.is_some().then(|| AlphaVectors(rows()));
         let one_object: Vec<_> = numbers_in(one_object).collect();
         let policy = OneObjectPolicy::from_numbers(&model, &one_object).ok_or_else(contradicted)?;
-        let leaves = LeafBounds { policy, grid, alphas };
+        let prices = match header.prices {
+            Some(saved) => Some(Arc::new(PricedBound::restored(&model, saved).ok_or_else(contradicted)?)),
+            None => None,
+        };
+        let leaves = LeafBounds { policy, grid, prices, alphas };
         let elapsed = Duration::try_from_secs_f64(header.seconds).unwrap_or_default();
         Ok(Self { model, leaves, lower: header.lower, upper: header.upper, elapsed })
     }

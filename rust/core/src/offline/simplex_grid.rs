@@ -40,6 +40,11 @@ impl SimplexGrid {
         Self { classes, levels, binomials: binomials(intervals + classes, classes) }
     }
 
+    /// Intervals per axis.
+    pub(super) fn intervals(&self) -> usize {
+        self.levels.len() - 1
+    }
+
     /// Number of points.
     pub(super) fn len(&self) -> usize {
         let axes = self.classes - 1;

@@ -17,7 +17,7 @@ use crate::model::SortingModel;
 
 /// Parts of the time after which the grid, and the searches, have had their share; the rest is for valuing the
 /// policy found.
-const GRID_UNTIL: f64 = 0.45;
+pub(super) const GRID_UNTIL: f64 = 0.45;
 const SEARCH_UNTIL: f64 = 0.85;
 /// Intervals per axis of the first grid, fewer where that has too many values for its number of classes.
 const COARSEST: u32 = 10;

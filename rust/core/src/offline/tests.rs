@@ -8,6 +8,7 @@ use super::graph::{BeliefGraph, ROOT};
 use super::reach::Reach;
 use super::*;
 use crate::index::Class;
+use crate::model::ModelSpec;
 use crate::testing::{
     Exact, belief_of, enumerable_models, enumerated_value, from_weights, paper, seeded, tiny_beliefs,
     tiny_models,
@@ -132,9 +133,23 @@ fn what_cannot_be_solved_is_refused() {
     };
     let error = refused(&paper(50.0), Duration::ZERO);
     assert!(error.contains("seconds") && error.contains('0'), "{error}");
-    let many = SortingModel::new(from_weights(7, 1, 4, &[0.5; 7 * 16])).unwrap();
-    let error = refused(&many, Duration::from_secs(1));
-    assert!(error.contains("7 positions") && error.contains("4096"), "{error}");
+    let spec = ModelSpec { observe_after_decision: true, ..paper(50.0).spec().clone() };
+    let error = refused(&SortingModel::new(spec).unwrap(), Duration::from_secs(1));
+    assert!(error.contains("observe_after_decision"), "{error}");
+}
+
+#[test]
+fn a_model_whose_label_vectors_are_too_many_has_both_bounds_and_a_policy() {
+    let mut spec = paper(50.0).spec().clone();
+    while spec.p_obs.len() < 7 {
+        spec.p_obs.push(spec.p_obs[1].clone());
+    }
+    let model = SortingModel::new(spec).unwrap();
+    let time = Duration::from_millis(1500);
+    let solution = Solution::solve(&model, time, &AtomicBool::new(false), &mut |_, _| {}).unwrap();
+    let closed = bounds::upper(&model, Belief::new(&model).known(), Viewpoint(0));
+    assert!(0.0 < solution.lower && solution.lower < solution.upper && solution.upper < 0.9 * closed);
+    assert!(matches!(solution.act(&Belief::new(&model), Viewpoint(0)).unwrap(), Action::Move(_)));
 }
 
 #[test]
@@ -162,8 +177,12 @@ fn with_searched<T>(
     let arrival = Belief::new(model).as_slice().to_vec();
     let mut grid = GridBound::new(model, stages::resolution(8.0, 0.6));
     grid.improve(model, 1e-3, || false);
-    let leaves =
-        LeafBounds { policy: OneObjectPolicy::solve(model), grid: Some(Arc::new(grid)), alphas: None };
+    let leaves = LeafBounds {
+        policy: OneObjectPolicy::solve(model),
+        grid: Some(Arc::new(grid)),
+        prices: None,
+        alphas: None,
+    };
     let mut graph = BeliefGraph::new(model, &leaves, &arrival, Viewpoint(0));
     for _ in 0..rounds {
         Reach::new(&graph, model.discount()).grow(&mut graph, || false);

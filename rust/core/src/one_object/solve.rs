@@ -231,7 +231,7 @@ fn decide(model: &SortingModel, groups: usize, group: usize, class: Class) -> Co
 }
 
 /// The group of each viewpoint, and the number of groups.
-pub(super) fn viewpoint_groups(model: &SortingModel) -> (Vec<usize>, usize) {
+pub(crate) fn viewpoint_groups(model: &SortingModel) -> (Vec<usize>, usize) {
     let moves = |from| -> Vec<(Viewpoint, u64)> {
         let cost = |to| model.motion_cost(from, to).to_bits();
         model.legal_moves(from).iter().map(|&to| (to, cost(to))).collect()

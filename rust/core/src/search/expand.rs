@@ -57,8 +57,8 @@ impl Search<'_> {
         let mut scenarios = parent.scenarios.clone();
         let scan = Scan { node: parent, belief: &before_scan, viewpoint, decisions };
         for (look, label) in scan.looks(&self.planner.model, labels.len()).into_iter().zip(labels) {
-            let plane = self.scenarios.label(look, *label);
-            scenarios.iter_mut().zip(plane).for_each(|(word, plane)| *word &= plane);
+            let given = self.scenarios.label(look, *label);
+            scenarios.iter_mut().zip(given).for_each(|(word, given)| *word &= given);
         }
         let depth = parent.depth + 1;
         Node { place, depth, decisions, viewpoint, belief, default, scenarios, edges: Vec::new() }
