@@ -10,6 +10,7 @@ from beltsort.planning.policy import Policy
 
 __all__ = [
     "BUILD_PROFILE",
+    "VFH_BINS",
     "ArgumentError",
     "Belief",
     "BeltsortError",
@@ -37,6 +38,7 @@ __all__ = [
 
 _Path: TypeAlias = str | PathLike[str]
 
+VFH_BINS: Final[int]
 __version__: Final[str]
 BUILD_PROFILE: Final[Literal["debug", "release"]]
 

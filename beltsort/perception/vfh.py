@@ -11,7 +11,7 @@ from beltsort.geometry import Points
 from beltsort.perception.checks import as_array
 
 FEWEST_POINTS = 3
-LENGTH = 308
+LENGTH = _core.VFH_BINS
 
 Histogram = NDArray[np.float64]
 

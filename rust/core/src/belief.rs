@@ -223,7 +223,7 @@ impl Belief {
     }
 
     /// Objects left to decide.
-    pub(crate) fn horizon(&self) -> Remaining {
+    pub(crate) fn objects_left(&self) -> Remaining {
         self.remaining
     }
 

@@ -1,4 +1,4 @@
-//! Bounds of the value at an exact belief, and what a scan is worth before its labels are told apart.
+//! Bounds of the value at an exact belief.
 
 use crate::belief::most_likely;
 use crate::index::Viewpoint;

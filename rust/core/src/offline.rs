@@ -226,11 +226,11 @@ impl Certificate {
 
     /// The bound at a belief, one exact step ahead.
     pub(crate) fn at(&self, model: &SortingModel, belief: &[f64], viewpoint: Viewpoint) -> f64 {
-        let (_, ahead) = match &self.0 {
-            Source::Grid(grid) => grid.look_ahead(model, belief, viewpoint),
-            Source::Prices(prices) => prices.look_ahead(belief, viewpoint),
+        let upper = match &self.0 {
+            Source::Grid(grid) => grid.look_ahead(model, belief, viewpoint).1,
+            Source::Prices(prices) => prices.upper(belief, viewpoint),
         };
-        ahead + SLACK * model.spec().r_max
+        upper + SLACK * model.spec().r_max
     }
 }
 

@@ -150,7 +150,7 @@ impl BeliefSearch {
     fn leaf(&self, depth: usize, belief: &Belief, features: Features, certified: f64) -> Values {
         let lower = features.value;
         let upper = if depth < self.depth { lower.max(certified) } else { lower };
-        let estimate = (lower + self.shortfall.at(features, belief.horizon())).min(certified);
+        let estimate = (lower + self.shortfall.at(features, belief.objects_left())).min(certified);
         Values { lower, upper, estimate, certified }
     }
 }
@@ -200,7 +200,7 @@ impl<'a> Search<'a> {
         let decision = Place { node: 0, edge: 0, child: 0 };
         let edge = &self.tree.nodes[0].edges[0];
         let leaf_follows = edge.labels.is_empty() && edge.children[0].values.gap() > 0.0;
-        if self.belief.horizon().ends() && leaf_follows {
+        if self.belief.objects_left().ends() && leaf_follows {
             self.expand(Some(decision));
         }
     }

@@ -1,8 +1,7 @@
 //! Bayes' rule for one object (eq. 7), the only place where it is applied.
 //!
-//! The belief about all objects is a product, and each label depends on its own object alone: what one look tells is
-//! told of one distribution. The likelihoods `P(z | c)` of a label are [`SortingModel::likelihoods`], whatever was seen
-//! before.
+//! The belief about all objects is a product, and each label depends on its own object alone, so a look changes one
+//! distribution at a time. The likelihoods `P(z | c)` of a label are [`SortingModel::likelihoods`].
 //!
 //! [`SortingModel::likelihoods`]: crate::model::SortingModel::likelihoods
 
@@ -11,7 +10,7 @@ const LEAST_EVIDENCE: f64 = f64::MIN_POSITIVE;
 
 /// `b_c` becomes `b_c P(z | c) / P(z)`, given the likelihoods of the label z; its evidence `P(z)`.
 ///
-/// A label that is impossible under the belief tells nothing: the distribution stays as it is, and the evidence is 0.
+/// A label that is impossible under the belief leaves the distribution as it is; the evidence is then 0.
 #[inline(always)]
 pub(crate) fn condition(distribution: &mut [f64], likelihoods: impl Iterator<Item = f64> + Clone) -> f64 {
     let evidence = evidence(distribution, likelihoods.clone());
@@ -62,7 +61,7 @@ mod tests {
     proptest! {
         #![proptest_config(seeded(128))]
 
-        /// Weighed by the evidence of its labels, what a look makes of a belief is that belief.
+        /// The mean of the posteriors, weighted by the evidence of their labels, is the prior.
         #[test]
         fn posteriors_average_to_the_prior(
             prior in distributions(),

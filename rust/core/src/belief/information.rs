@@ -36,8 +36,8 @@ impl Belief {
         let alpha = model.spec().information_gain;
         if alpha > 0.0 {
             let visible = self.remaining.visible(model.position_count());
-            let told = |j| self.information(model, j, viewpoint);
-            return alpha * model.positions().take(visible).map(told).sum::<f64>();
+            let gain = |j| self.information(model, j, viewpoint);
+            return alpha * model.positions().take(visible).map(gain).sum::<f64>();
         }
         0.0
     }

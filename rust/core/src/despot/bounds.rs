@@ -10,7 +10,7 @@ use crate::remaining::Remaining;
 const MOST_SEQUENCES: usize = 1024;
 /// Objects farther away than discounting leaves this much of are as good as endlessly many.
 const NEGLIGIBLE: f64 = 1e-10;
-/// Objects that are told apart from endlessly many at most.
+/// Largest number of objects whose value is not taken as that of endlessly many.
 const MOST_OBJECTS: f64 = 20_000.0;
 
 /// Sweeps for the cost of looking for ever.

@@ -148,7 +148,7 @@ impl Despot {
             model: &self.model,
             bounds: &self.bounds,
             scenarios: Scenarios::sampled(randoms, belief, self.depth, parallel),
-            remaining: belief.horizon(),
+            remaining: belief.objects_left(),
             lambda: self.config.regularization,
             depth: self.depth,
             discounts: &self.discounts,

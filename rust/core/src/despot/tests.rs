@@ -171,7 +171,7 @@ proptest! {
         remaining in belts(),
     ) {
         let belief = belief_of(&model, &weights).with_remaining(remaining);
-        let (shares, remaining) = (belief.visible(), belief.horizon());
+        let (shares, remaining) = (belief.visible(), belief.objects_left());
         let at = Histogram { shares, remaining, viewpoint: START, fresh: true };
         let (value, action) = Bounds::new(&model).default_policy(&at, &mut Vec::new());
         let (_, at_most) = enumerated_value(&model, &belief, START, 4);

@@ -1,4 +1,4 @@
-//! What a look tells: `P(z | j, v, c)`, given what the last look from there told.
+//! The likelihood of a label, `P(z | j, v, c)`, given the last label from the same viewpoint.
 //!
 //! Two looks from one viewpoint at one object that has not moved share pose and view, so they agree far more often
 //! than independence says. With probability `repeat` the second only returns the label of the first:
@@ -64,7 +64,7 @@ impl SortingModel {
         self.labels().map(move |label| self.likelihood(look, label, class))
     }
 
-    /// What a label owes to the one before it, and the weight of the table.
+    /// Probability that the label only repeats the one before it, and the weight of the table.
     #[inline(always)]
     fn mixture(&self, look: Look, label: Label) -> (f64, f64) {
         match look.last {

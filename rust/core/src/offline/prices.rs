@@ -67,6 +67,11 @@ impl PricedBound {
         self.shared.modes_at(viewpoint).map(sum).fold(known, f64::min)
     }
 
+    /// The better of the bound itself and the one that is one exact step ahead of it.
+    pub(super) fn upper(&self, belief: &[f64], viewpoint: Viewpoint) -> f64 {
+        self.look_ahead(belief, viewpoint).1.min(self.value(belief, viewpoint))
+    }
+
     /// The action that is best one exact step ahead of the sum over positions, and its value.
     ///
     /// Since labels of one scan are independent given the belief, the expectation of the sum is the sum of each

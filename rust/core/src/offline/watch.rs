@@ -1,10 +1,10 @@
-//! Time, and who is told of what it brings.
+//! The time that a solver has, and reports of its progress.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Told of the bounds at the arrival prior, `(lower, upper)`, while they improve.
+/// Called with the bounds at the arrival prior, `(lower, upper)`, whenever they improve.
 pub type Progress<'a> = &'a mut (dyn FnMut(f64, f64) + Send);
 
 /// Shared by all that works on a solution.
@@ -12,10 +12,10 @@ pub(super) struct Watch<'a> {
     start: Instant,
     time: Duration,
     stop: &'a AtomicBool,
-    told: Mutex<Told<'a>>,
+    progressed: Mutex<Progressed<'a>>,
 }
 
-struct Told<'a> {
+struct Progressed<'a> {
     progress: Progress<'a>,
     /// The best proved so far at the arrival prior.
     bounds: (f64, f64),
@@ -28,7 +28,7 @@ impl<'a> Watch<'a> {
         progress: Progress<'a>,
         bounds: (f64, f64),
     ) -> Self {
-        Self { start: Instant::now(), time, stop, told: Mutex::new(Told { progress, bounds }) }
+        Self { start: Instant::now(), time, stop, progressed: Mutex::new(Progressed { progress, bounds }) }
     }
 
     pub(super) fn report_lower(&self, lower: f64) {
@@ -40,15 +40,15 @@ impl<'a> Watch<'a> {
     }
 
     fn report(&self, lower: f64, upper: f64) {
-        let mut told = self.told();
-        told.bounds = (told.bounds.0.max(lower), told.bounds.1.min(upper));
-        let (lower, upper) = told.bounds;
-        (told.progress)(lower, upper);
+        let mut progressed = self.progressed();
+        progressed.bounds = (progressed.bounds.0.max(lower), progressed.bounds.1.min(upper));
+        let (lower, upper) = progressed.bounds;
+        (progressed.progress)(lower, upper);
     }
 
     /// The best proved so far at the arrival prior.
     pub(super) fn bounds(&self) -> (f64, f64) {
-        self.told().bounds
+        self.progressed().bounds
     }
 
     pub(super) fn gap(&self) -> f64 {
@@ -56,8 +56,8 @@ impl<'a> Watch<'a> {
         upper - lower
     }
 
-    fn told(&self) -> MutexGuard<'_, Told<'a>> {
-        self.told.lock().unwrap_or_else(PoisonError::into_inner)
+    fn progressed(&self) -> MutexGuard<'_, Progressed<'a>> {
+        self.progressed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Whether this part of the time is over.

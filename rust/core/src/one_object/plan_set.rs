@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::dot;
 use crate::model::Action;
 
-/// Plans weighed at once; their numbers lie next to each other in memory.
+/// Plans evaluated at once; their numbers lie next to each other in memory.
 const LANES: usize = 8;
 
 /// A conditional plan for one object.

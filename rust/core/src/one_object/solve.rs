@@ -20,7 +20,7 @@ const WALKS: u64 = 2000;
 const LOOKS_PER_WALK: usize = 8;
 /// Convergence tolerance of the value of n unseen objects in n, in units of `r_max`.
 const UNSEEN_TOLERANCE: f64 = 1e-6;
-/// Most unseen objects that are told apart; they differ up to here only where the discount is close to 1.
+/// Largest number of unseen objects with a value of its own; only a discount close to 1 needs as many.
 const MOST_OBJECTS: usize = 2000;
 
 /// Most sweeps of value iteration.

@@ -68,7 +68,7 @@ impl Search<'_> {
     fn edge(&self, node: &Node, action: Action) -> Edge {
         let planner = self.planner;
         let (model, policy) = (&planner.model, &planner.default_policy);
-        let step = model.step(action, node.viewpoint, node.belief.horizon());
+        let step = model.step(action, node.viewpoint, node.belief.objects_left());
         let reward = model.expected_reward(&step, node.belief.position(Position(0)).as_slice());
         let mut belief = node.belief.clone();
         if step.advances() {
@@ -116,7 +116,7 @@ impl Search<'_> {
         let discount = planner.model.discount();
         let bound = reward + discount * rest.value;
         let fixed = Values {
-            estimate: bound + discount * planner.shortfall.at(rest, scan.belief.horizon()),
+            estimate: bound + discount * planner.shortfall.at(rest, scan.belief.objects_left()),
             certified: reward + discount * (outcomes.expected_upper() - upper),
             ..Values::all(bound)
         };
@@ -144,7 +144,7 @@ pub(super) fn after(
     action: Action,
     labels: &[Label],
 ) -> (Belief, Viewpoint) {
-    let step = model.step(action, node.viewpoint, node.belief.horizon());
+    let step = model.step(action, node.viewpoint, node.belief.objects_left());
     let (mut belief, viewpoint) = (node.belief.clone(), step.viewpoint);
     if step.advances() {
         belief.advance(model);

@@ -42,8 +42,8 @@ impl ScanOutcomes {
         viewpoint: Viewpoint,
     ) -> Self {
         let (labels, groups) = (model.label_count(), policy.group_count());
-        let positions = belief.horizon().visible(model.position_count());
-        let unseen = belief.horizon().unseen(model.position_count());
+        let positions = belief.objects_left().visible(model.position_count());
+        let unseen = belief.objects_left().unseen(model.position_count());
         let mut outcomes = Self {
             labels,
             groups,
@@ -56,14 +56,14 @@ impl ScanOutcomes {
             bonus: 0.0,
         };
         outcomes.expected.extend(policy.values_of_unseen(unseen));
-        let upper = bounds::upper_knowing(model, viewpoint, belief.horizon());
+        let upper = bounds::upper_knowing(model, viewpoint, belief.objects_left());
         let mut posterior = vec![0.0; model.class_count()];
         for position in (0..positions).rev().map(Position) {
             let prior = belief.position(position);
             let look = belief.look(model, position, viewpoint);
             if model.spec().information_gain > 0.0 {
-                let told = information(model, prior.as_slice(), look);
-                outcomes.bonus += model.spec().information_gain * told;
+                let gain = information(model, prior.as_slice(), look);
+                outcomes.bonus += model.spec().information_gain * gain;
             }
             for label in model.labels() {
                 posterior.copy_from_slice(prior.as_slice());

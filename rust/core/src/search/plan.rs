@@ -16,7 +16,7 @@ use crate::remaining::Remaining;
 impl BeliefSearch {
     /// Upper bound of V* by the certificate, where it covers the belief.
     fn certified_upper(&self, belief: &Belief, viewpoint: Viewpoint) -> f64 {
-        let endless = self.certificate.as_ref().filter(|_| belief.horizon() == Remaining::ENDLESS);
+        let endless = self.certificate.as_ref().filter(|_| belief.objects_left() == Remaining::ENDLESS);
         endless.map_or(f64::INFINITY, |grid| grid.at(&self.model, belief.as_slice(), viewpoint))
     }
 }

@@ -149,7 +149,7 @@ struct Step {
 /// The best decision, then the legal moves.
 fn steps(model: &SortingModel, policy: &OneObjectPolicy, from: &Belief, viewpoint: Viewpoint) -> Vec<Step> {
     let step = |action| {
-        let step = model.step(action, viewpoint, from.horizon());
+        let step = model.step(action, viewpoint, from.objects_left());
         let reward = model.expected_reward(&step, from.position(Position(0)).as_slice());
         let (mut belief, viewpoint) = (from.clone(), step.viewpoint);
         if step.advances() {

@@ -73,7 +73,7 @@ impl<'a> Batch<'a> {
         while decisions < self.config.batch_size {
             let action = self.choose(policy)?;
             self.book_regret(action)?;
-            let step = self.model.step(action, self.viewpoint, self.belief.horizon());
+            let step = self.model.step(action, self.viewpoint, self.belief.objects_left());
             self.take(step)?;
             decisions += usize::from(step.advances());
         }

@@ -207,7 +207,7 @@ impl Exact {
         values
     }
 
-    /// Nothing is ever told of an object that cannot be seen.
+    /// Objects that cannot be seen give no labels.
     fn places_behind(&self) -> std::ops::Range<usize> {
         if self.tiny.model.position_count() == 2 { 0..2 * self.reach + 3 } else { self.reach..self.reach + 1 }
     }

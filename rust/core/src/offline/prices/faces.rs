@@ -1,8 +1,7 @@
 //! Beliefs about one object that leave few of its states possible, and how any belief is put together from them.
 //!
 //! The values of such beliefs bound those of all others from above: a belief about many states is an average of
-//! beliefs about few, as if one were told which few the object's is among, and knowing more is worth no less (the value
-//! is convex). On a *face*, the simplex of few states, a grid interpolates. Looks never lead out of a face.
+//! beliefs about few, and since the value is convex, interpolating between those never falls below it. On a *face*, the simplex of few states, a grid interpolates. Looks never lead out of a face.
 
 use super::super::simplex_grid::{Combination, SimplexGrid};
 
@@ -13,9 +12,9 @@ struct Part {
     states: Vec<(usize, f64)>,
 }
 
-/// How much one is told by hearing which part it is, but for what all parts of one belief share: the less entropy is left,
-/// the more.
-fn told(parts: &[Part]) -> f64 {
+/// Information, in nats, that knowing the part would bring, up to a constant that all splits of one belief share. The
+/// split with the least interpolates closest.
+fn information(parts: &[Part]) -> f64 {
     let negative_entropy =
         |part: &Part| part.states.iter().map(|(_, p)| if *p > 0.0 { p * p.ln() } else { 0.0 }).sum::<f64>();
     parts.iter().map(|part| part.weight * negative_entropy(part)).sum()
@@ -89,15 +88,15 @@ impl Faces {
             return self.locate_part(Part { weight, states }, found);
         }
         let parts = (0..self.size).map(|heads| self.parts(belief, &order, heads));
-        let least_told = parts.min_by(|a, b| told(a).total_cmp(&told(b))).unwrap_or_default();
-        for mut part in least_told {
+        let closest = parts.min_by(|a, b| information(a).total_cmp(&information(b))).unwrap_or_default();
+        for mut part in closest {
             part.weight *= weight;
             self.locate_part(part, found);
         }
     }
 
-    /// Being told which group of the less likely states the object's would be among. The more likely ones, the heads,
-    /// stay as likely as they are.
+    /// Split by groups of the less likely states. The more likely ones, the heads, keep their probabilities in every
+    /// part.
     fn parts(&self, belief: &[f64], order: &[usize], heads: usize) -> Vec<Part> {
         let (heads, others) = order.split_at(heads);
         let mass = |states: &[usize]| states.iter().map(|state| belief[*state]).sum::<f64>();
@@ -105,8 +104,8 @@ impl Faces {
         let part = |group: &[usize]| {
             let weight = mass(group) / rest;
             let likely = heads.iter().map(|state| (*state, belief[*state]));
-            let told = group.iter().map(|state| (*state, belief[*state] / weight));
-            Part { weight, states: likely.chain(told).collect() }
+            let grouped = group.iter().map(|state| (*state, belief[*state] / weight));
+            Part { weight, states: likely.chain(grouped).collect() }
         };
         let groups = others.chunks(self.size - heads.len());
         groups.filter(|group| mass(group) > 0.0).map(part).collect()
