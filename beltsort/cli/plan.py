@@ -1,9 +1,10 @@
 """`beltsort plan`: plan the next action."""
 
 from argparse import Namespace
+from pathlib import Path
 from typing import Any
 
-from beltsort import ArgumentError, Belief, Despot, Plan, SortingModel
+from beltsort import ArgumentError, Belief, Despot, Plan, Solution, SortingModel
 from beltsort.cli.arguments import (
     Subparsers,
     add_budget,
@@ -48,6 +49,12 @@ def add_parser(subparsers: Subparsers) -> None:
     )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the scenarios (default: 0)")
     parser.add_argument(
+        "--solution",
+        type=Path,
+        metavar="FILE",
+        help="solution of the model, written by `beltsort solve`, for tighter bounds of the optimal value",
+    )
+    parser.add_argument(
         "--explain", action="store_true", help="print why the action was chosen, and the likely next steps"
     )
     parser.add_argument(
@@ -70,6 +77,7 @@ def run(arguments: Namespace) -> int:
         model,
         scenarios=arguments.scenarios,
         seed=arguments.seed,
+        solution=None if arguments.solution is None else Solution.load(arguments.solution, model),
         **budget_of(arguments),
     )
     plan = planner.plan(belief, viewpoint)
@@ -136,4 +144,7 @@ def show(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> Non
     if plan.certified_lower is not None:
         certified = f"{plan.certified_lower:.3f} to {plan.certified_upper:.3f}"
     print(f"Certified bounds of the optimal value: {certified}.")
+    if plan.certified_lower is not None:
+        loss = plan.certified_upper - plan.certified_lower
+        print(f"Following the planned policy loses at most {loss:.3f} against an optimal one.")
     print(f"{plan.trials} trials in {plan.seconds:.3f} s.")

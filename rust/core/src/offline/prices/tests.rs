@@ -153,12 +153,19 @@ fn unique(mut list: Vec<usize>) -> Vec<usize> {
 #[test]
 fn bounds_only_fall_and_are_far_below_the_closed_form() {
     for (model, most) in [(paper(50.0), 30.0), (paper(50.0).with_positions(1).unwrap(), 18.2)] {
-        let seen = Mutex::new(Vec::new());
-        let mut note = |_, upper| seen.lock().unwrap().push(upper);
-        let bound = noting(&model, 1500, &mut note);
-        let seen = seen.into_inner().unwrap();
-        assert!(seen.windows(2).all(|pair| pair[1] <= pair[0]), "{seen:?}");
-        assert!(bound.upper < most, "{}", bound.upper);
+        let improved = |doubled: u32| {
+            let seen = Mutex::new(Vec::new());
+            let mut note = |_, upper| seen.lock().unwrap().push(upper);
+            let bound = noting(&model, 1500 << doubled, &mut note);
+            let seen = seen.into_inner().unwrap();
+            assert!(seen.windows(2).all(|pair| pair[1] <= pair[0]), "{seen:?}");
+            bound.upper
+        };
+        // With more and more time: how far it gets in some depends on the machine.
+        assert!(
+            (0..6).map(improved).any(|upper| upper < most),
+            "not below {most} within a minute and a half"
+        );
     }
 }
 
