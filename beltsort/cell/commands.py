@@ -1,5 +1,6 @@
 """Commands to a cell's devices: what they can be, what becomes of them, how long to wait for that."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Future, wait
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ TIMEOUT = 30.0
 """Seconds that a command may take if the caller says nothing."""
 
 
-class _Commanded:
+class _Commanded(ABC):
     """What all acts have in common.
 
     Attributes
@@ -27,9 +28,9 @@ class _Commanded:
     verb: ClassVar[str]
 
     @property
+    @abstractmethod
     def target(self) -> int:
         """The number that the device is to reach."""
-        raise NotImplementedError
 
     def __str__(self) -> str:
         """Return it in words."""

@@ -112,6 +112,19 @@ impl SimplexGrid {
     }
 }
 
+/// The same combination with every point once.
+pub(super) fn merged(mut combination: Combination) -> Combination {
+    combination.sort_unstable_by_key(|(point, _)| *point);
+    combination.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 += next.1;
+        }
+        same
+    });
+    combination
+}
+
 fn cumulated(belief: &[f64]) -> Vec<f64> {
     let mut cumulated = belief[1..].to_vec();
     let mut sum = 0.0;

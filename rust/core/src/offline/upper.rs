@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::simplex_grid::{Combination, SimplexGrid};
+use super::simplex_grid::{Combination, SimplexGrid, merged};
 use crate::belief::{condition, most_likely};
 use crate::index::{Position, Viewpoint};
 use crate::model::{Action, Look, SortingModel, shift};
@@ -170,19 +170,6 @@ impl GridBound {
 /// The only belief behind the belt end if there is one position.
 pub(super) fn sole() -> Combination {
     vec![(0, 1.0)]
-}
-
-/// The same combination with every point once.
-fn merged(mut combination: Combination) -> Combination {
-    combination.sort_unstable_by_key(|(point, _)| *point);
-    combination.dedup_by(|next, kept| {
-        let same = next.0 == kept.0;
-        if same {
-            kept.1 += next.1;
-        }
-        same
-    });
-    combination
 }
 
 /// The nearest `f32` that is no less.

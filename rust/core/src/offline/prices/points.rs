@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::super::simplex_grid::Combination;
+use super::super::simplex_grid::{Combination, merged};
 use super::faces::Faces;
 use super::object::ObjectModel;
 use crate::index::{Position, Viewpoint};
@@ -258,17 +258,4 @@ impl Points {
         }
         merged(found)
     }
-}
-
-/// The same combination with every point once.
-fn merged(mut combination: Combination) -> Combination {
-    combination.sort_unstable_by_key(|(point, _)| *point);
-    combination.dedup_by(|next, kept| {
-        let same = next.0 == kept.0;
-        if same {
-            kept.1 += next.1;
-        }
-        same
-    });
-    combination
 }
