@@ -144,7 +144,7 @@ def show(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> Non
     if plan.certified_lower is not None:
         certified = f"{plan.certified_lower:.3f} to {plan.certified_upper:.3f}"
     print(f"Certified bounds of the optimal value: {certified}.")
-    if plan.certified_lower is not None:
+    if plan.certified_lower is not None and plan.certified_upper is not None:
         loss = plan.certified_upper - plan.certified_lower
         print(f"Following the planned policy loses at most {loss:.3f} against an optimal one.")
     print(f"{plan.trials} trials in {plan.seconds:.3f} s.")
