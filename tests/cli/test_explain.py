@@ -96,5 +96,5 @@ def test_without_a_certified_lower_bound(paper: beltsort.SortingModel, tmp_path:
     repeating = beltsort.SortingModel(paper.classes, paper.viewpoints, paper.p_obs, repeat=0.5)
     repeating.save(tmp_path / "model.json")
     model = str(tmp_path / "model.json")
-    assert re.search(r"the best possible policy earns at most \d+\.\d+\.\n", output("plan", model))
+    assert re.search(r"Certified bounds of the optimal value: at most \d+\.\d+\.\n", output("plan", model))
     assert json_of("plan", model)["certified_lower"] is None
