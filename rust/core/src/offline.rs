@@ -205,6 +205,8 @@ fn enumerable(model: &SortingModel) -> bool {
 
 /// Values times classes times moves of a bound that is ready at once.
 const MOST_AT_ONCE: f64 = 2e6;
+/// Tolerance of its values, in units of `r_max`; what is left of it is added to the bound.
+const AT_ONCE_TOLERANCE: f64 = 3e-3;
 
 /// A certified upper bound of V*, for the plans of others.
 #[derive(Debug, Clone)]
@@ -220,7 +222,7 @@ impl Certificate {
     /// One that is ready in a fraction of a second, and loose; for models that [`upper`] has a proof for.
     pub(crate) fn coarse(model: &SortingModel) -> Option<Self> {
         let moves = model.legal_moves(Viewpoint(0)).len().max(1) as f64;
-        let grid = || stages::coarse_grid(model, MOST_AT_ONCE / moves, || false);
+        let grid = || stages::coarse_grid(model, MOST_AT_ONCE / moves, AT_ONCE_TOLERANCE, || false);
         (model.check_plain().is_ok() && all_alike(model)).then(|| Self(Source::Grid(Arc::new(grid()))))
     }
 

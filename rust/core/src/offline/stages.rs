@@ -51,7 +51,7 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
     let tolerance = TOLERANCE * model.spec().r_max;
     let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, Viewpoint(0)).1;
     let work = |n: f64| resolution(n, 0.0).values(model) as f64;
-    let mut best = coarse_grid(model, MOST_COARSE_VALUES, || watch.over(GRID_UNTIL));
+    let mut best = coarse_grid(model, MOST_COARSE_VALUES, TOLERANCE, || watch.over(GRID_UNTIL));
     let mut intervals = best.resolution.intervals as f64;
     let mut spent = watch.elapsed().as_secs_f64() / GRADINGS.len() as f64;
     loop {
@@ -75,19 +75,28 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
     }
 }
 
-/// The best graded of coarse grids, of at most so many values times classes.
-pub(super) fn coarse_grid(model: &SortingModel, most_values: f64, stop: impl Fn() -> bool) -> GridBound {
+/// The best graded of coarse grids, of at most so many values times classes, to a tolerance in units of `r_max`.
+pub(super) fn coarse_grid(
+    model: &SortingModel,
+    most_values: f64,
+    tolerance: f64,
+    stop: impl Fn() -> bool,
+) -> GridBound {
     let arrival = Belief::new(model).as_slice().to_vec();
     let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, Viewpoint(0)).1;
     let values = |n: f64| resolution(n, 0.0).values(model) as f64 * model.class_count() as f64;
     let small = |n: &f64| values(*n) < most_values;
     let intervals = (1..=COARSEST).rev().map(f64::from).find(small).unwrap_or(1.0);
-    let [first, others @ ..] = GRADINGS.map(|grading| {
-        let mut bound = GridBound::new(model, resolution(intervals, grading));
-        bound.improve(model, TOLERANCE * model.spec().r_max, &stop);
-        bound
-    });
-    others.into_iter().fold(first, |a, b| if ahead(&b) < ahead(&a) { b } else { a })
+    // Each starts from the best before it, which is a bound on any grid.
+    let mut best = GridBound::new(model, resolution(intervals, GRADINGS[0]));
+    for (number, grading) in GRADINGS.into_iter().enumerate() {
+        let mut bound = best.refined(model, resolution(intervals, grading));
+        bound.improve(model, tolerance * model.spec().r_max, &stop);
+        if number == 0 || ahead(&bound) < ahead(&best) {
+            best = bound;
+        }
+    }
+    best
 }
 
 /// The bound on a grid of a size to keep.

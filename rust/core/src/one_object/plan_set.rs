@@ -32,6 +32,11 @@ impl ConditionalPlan {
         self.discount_to.as_slice().chunks_exact(belief.len()).map(move |row| dot(belief, row))
     }
 
+    /// All numbers of the plan, to the bit: equal for equal plans.
+    pub(crate) fn bits(&self) -> Vec<u64> {
+        self.gain.iter().chain(&self.discount_to).map(|number| number.to_bits()).collect()
+    }
+
     /// Value at a belief when `continuation[s]` follows.
     pub(crate) fn value(&self, belief: &[f64], continuation: &[f64]) -> f64 {
         self.gain_at(belief) + self.discounts_at(belief).zip(continuation).map(|(d, w)| d * w).sum::<f64>()
@@ -61,6 +66,11 @@ impl PlanSet {
     pub(crate) fn best(&self, belief: &[f64], continuation: &[f64]) -> (&ConditionalPlan, f64) {
         let (index, value) = self.arch.dispatch(Best { blocks: &self.blocks, belief, continuation });
         (&self.plans[index], value)
+    }
+
+    /// The number of the best plan for one object and nothing behind it; probabilities need not sum to 1.
+    pub(crate) fn best_index(&self, belief: &[f64]) -> usize {
+        self.arch.dispatch(Best { blocks: &self.blocks, belief, continuation: &[] }).0
     }
 }
 

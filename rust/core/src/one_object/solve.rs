@@ -3,6 +3,8 @@
 //! Every plan made here can be executed and is evaluated exactly, so a solution that has not converged is a worse
 //! policy but never a wrong bound.
 
+use std::collections::HashSet;
+
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rayon::prelude::*;
@@ -99,30 +101,25 @@ impl OneObjectPolicy {
 
     /// The best plan at each point after one backup; the plans that decide at once always stay.
     fn backed_up(&self, model: &SortingModel, group: usize, points: &[Vec<f64>]) -> PlanSet {
-        let values = self.plan_values(model);
-        let improved: Vec<_> =
-            points.par_iter().map(|belief| self.backup(model, group, belief, &values)).collect();
+        let following = self.plans_by_value();
+        let backups = points.par_iter().map(|belief| self.backup(model, group, belief, &following));
+        let improved: Vec<_> = backups.collect();
         let mut kept = deciding(model, self.group_count(), group);
-        for plan in improved {
-            if !kept.contains(&plan) {
-                kept.push(plan);
-            }
-        }
+        let mut known: HashSet<_> = kept.iter().map(ConditionalPlan::bits).collect();
+        kept.extend(improved.into_iter().filter(|plan| known.insert(plan.bits())));
         PlanSet::new(kept)
     }
 
-    /// `G(c) + sum_s D_s(c) W_s` of each plan of each group: a row per plan, so that choosing one is a product.
-    fn plan_values(&self, model: &SortingModel) -> Vec<DMatrix<f64>> {
-        let l = model.class_count();
-        let value = |plan: &ConditionalPlan, c: usize| {
-            let discounted =
-                self.arrival_values.iter().enumerate().map(|(s, w)| plan.discount_to[s * l + c] * w);
-            plan.gain[c] + discounted.sum::<f64>()
+    /// The plans of each group with `G(c) + sum_s D_s(c) W_s` as their gains, and nothing behind them.
+    fn plans_by_value(&self) -> Vec<PlanSet> {
+        let alone = |plan: &ConditionalPlan| {
+            let l = plan.gain.len();
+            let discounted = |(s, worth): (usize, &f64)| plan.discount_to.rows(s * l, l) * *worth;
+            let continued = self.arrival_values.iter().enumerate().map(discounted);
+            let gain = continued.fold(plan.gain.clone(), |sum, part| sum + part);
+            ConditionalPlan { action: plan.action, gain, discount_to: DVector::zeros(0) }
         };
-        self.plans
-            .iter()
-            .map(|set| DMatrix::from_fn(set.plans().len(), l, |i, c| value(&set.plans()[i], c)))
-            .collect()
+        self.plans.iter().map(|set| PlanSet::new(set.plans().iter().map(alone).collect())).collect()
     }
 
     /// The best of: the plan at hand, deciding now, and moving anywhere and continuing with the best plan per label.
@@ -131,14 +128,15 @@ impl OneObjectPolicy {
         model: &SortingModel,
         group: usize,
         belief: &[f64],
-        values: &[DMatrix<f64>],
+        following: &[PlanSet],
     ) -> ConditionalPlan {
         let worth = |plan: &ConditionalPlan| plan.value(belief, &self.arrival_values);
         let from = self.representative(group);
         let (at_hand, _) = self.best(group, belief, &self.arrival_values);
         let mut best = (at_hand.clone(), worth(at_hand));
         let now = decide(model, self.group_count(), group, most_likely(belief).0);
-        let moves = model.legal_moves(from).iter().map(|&to| self.move_plan(model, from, to, belief, values));
+        let moves =
+            model.legal_moves(from).iter().map(|&to| self.move_plan(model, from, to, belief, following));
         for plan in std::iter::once(now).chain(moves) {
             let value = worth(&plan);
             if value > best.1 {
@@ -155,15 +153,17 @@ impl OneObjectPolicy {
         from: Viewpoint,
         to: Viewpoint,
         belief: &[f64],
-        values: &[DMatrix<f64>],
+        following: &[PlanSet],
     ) -> ConditionalPlan {
         let (l, target) = (model.class_count(), self.group(to));
         let look = Look::first(Position(0), to);
         let mut gain = DVector::from_element(l, -model.motion_cost(from, to));
         let mut discount_to = DVector::zeros(self.group_count() * l);
+        let mut weighted = Vec::with_capacity(l);
         for z in model.labels() {
-            let weighted = DVector::from_iterator(l, joint(belief, model.likelihoods(look, z)));
-            let next = &self.plans[target].plans()[(&values[target] * weighted).imax()];
+            weighted.clear();
+            weighted.extend(joint(belief, model.likelihoods(look, z)));
+            let next = &self.plans[target].plans()[following[target].best_index(&weighted)];
             for (c, p) in model.likelihoods(look, z).enumerate() {
                 let weight = model.discount() * p;
                 gain[c] += weight * next.gain[c];
