@@ -7,6 +7,7 @@
 //! not estimated, at any time.
 
 mod alpha;
+mod certificate;
 mod controller;
 mod difference;
 mod evaluation;
@@ -36,6 +37,8 @@ use crate::one_object::OneObjectPolicy;
 use crate::policy::Policy;
 use crate::remaining::Remaining;
 use alpha::AlphaVectors;
+use certificate::Source;
+pub(crate) use certificate::{Certificate, ScanBounds};
 use prices::PricedBound;
 use upper::GridBound;
 use watch::{Progress, Watch};
@@ -201,39 +204,6 @@ impl Policy for Solution {
 fn enumerable(model: &SortingModel) -> bool {
     let positions = u32::try_from(model.position_count()).unwrap_or(u32::MAX);
     (model.label_count() as u64).checked_pow(positions).is_some_and(|labels| labels <= MOST_LABELS)
-}
-
-/// Values times classes times moves of a bound that is ready at once.
-const MOST_AT_ONCE: f64 = 2e6;
-/// Tolerance of its values, in units of `r_max`; what is left of it is added to the bound.
-const AT_ONCE_TOLERANCE: f64 = 3e-3;
-
-/// A certified upper bound of V*, for the plans of others.
-#[derive(Debug, Clone)]
-pub(crate) struct Certificate(Source);
-
-#[derive(Debug, Clone)]
-enum Source {
-    Grid(Arc<GridBound>),
-    Prices(Arc<PricedBound>),
-}
-
-impl Certificate {
-    /// One that is ready in a fraction of a second, and loose; for models that [`upper`] has a proof for.
-    pub(crate) fn coarse(model: &SortingModel) -> Option<Self> {
-        let moves = model.legal_moves(Viewpoint(0)).len().max(1) as f64;
-        let grid = || stages::coarse_grid(model, MOST_AT_ONCE / moves, AT_ONCE_TOLERANCE, || false);
-        (model.check_plain().is_ok() && all_alike(model)).then(|| Self(Source::Grid(Arc::new(grid()))))
-    }
-
-    /// The bound at a belief, one exact step ahead.
-    pub(crate) fn at(&self, model: &SortingModel, belief: &[f64], viewpoint: Viewpoint) -> f64 {
-        let upper = match &self.0 {
-            Source::Grid(grid) => grid.look_ahead(model, belief, viewpoint).1,
-            Source::Prices(prices) => prices.upper(belief, viewpoint),
-        };
-        upper + SLACK * model.spec().r_max
-    }
 }
 
 /// Whether the proofs of [`upper`] and [`controller`] cover a model: at most two positions, viewpoints all alike.

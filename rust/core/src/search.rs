@@ -36,6 +36,7 @@ use crate::offline::{Certificate, Solution};
 use crate::one_object::OneObjectPolicy;
 use crate::plan::Plan;
 use crate::policy::Policy;
+use crate::remaining::Remaining;
 use crate::scenario::{Randoms, Scenarios};
 
 pub(crate) use explain::Searched;
@@ -61,7 +62,7 @@ pub struct BeliefSearch {
     /// Planner steps to look ahead.
     depth: usize,
     shortfall: Shortfall,
-    /// For the plans' certificates; the search has bounds of its own.
+    /// Upper bounds of V* at leaves, and of the plans.
     certificate: Option<Certificate>,
     randoms: Arc<Randoms>,
 }
@@ -146,6 +147,19 @@ impl BeliefSearch {
         Ok(search.into_plan(&clock))
     }
 
+    /// The certificate, where it covers a belief: it is one of endless belts.
+    fn certificate_for(&self, belief: &Belief) -> Option<&Certificate> {
+        self.certificate.as_ref().filter(|_| belief.objects_left() == Remaining::ENDLESS)
+    }
+
+    /// Upper bound of V* at a belief.
+    fn upper(&self, belief: &Belief, viewpoint: Viewpoint) -> f64 {
+        let model = &self.model;
+        let closed = bounds::upper(model, belief.known(), viewpoint);
+        let value = |bound: &Certificate| bound.value(model, belief.as_slice(), viewpoint);
+        self.certificate_for(belief).map_or(closed, |bound| value(bound).min(closed))
+    }
+
     /// Values of a leaf at a depth: the default policy's value, the estimate, and at most an upper bound of V*.
     fn leaf(&self, depth: usize, belief: &Belief, features: Features, certified: f64) -> Values {
         let lower = features.value;
@@ -186,7 +200,7 @@ impl<'a> Search<'a> {
         belief.check_fits(model)?;
         model.check_viewpoint(viewpoint)?;
         let value = bounds::lower(model, &planner.default_policy, belief.known(), viewpoint);
-        let upper = bounds::upper(model, belief.known(), viewpoint);
+        let upper = planner.upper(belief, viewpoint);
         let values = planner.leaf(0, belief, Features { mass: 1.0, value, entropy: 0.0 }, upper);
         let tree = Tree { root: Child { values, probability: 1.0, node: None }, nodes: Vec::new() };
         let scenarios = Scenarios::sampled((model, &planner.randoms), belief, planner.depth, false);

@@ -30,7 +30,7 @@ mod usage;
 use super::watch::Watch;
 use crate::belief::{Belief, most_likely};
 use crate::bounds;
-use crate::index::Viewpoint;
+use crate::index::{Position, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 use improvement::Improvement;
@@ -65,6 +65,12 @@ impl PricedBound {
         let sum = |mode| rows.iter().map(|(i, row)| self.values.average(mode, *i, row)).sum();
         let known = bounds::upper(&self.model, (belief, Remaining::ENDLESS), viewpoint);
         self.shared.modes_at(viewpoint).map(sum).fold(known, f64::min)
+    }
+
+    /// What the belief about one object adds to the bound, per mode that a camera at a viewpoint may be in.
+    pub(super) fn parts(&self, position: Position, belief: &[f64], viewpoint: Viewpoint) -> Vec<f64> {
+        let row = self.points.locate(position, belief);
+        self.shared.modes_at(viewpoint).map(|mode| self.values.average(mode, position, &row)).collect()
     }
 
     /// The better of the bound itself and the one that is one exact step ahead of it.

@@ -8,6 +8,7 @@ use crate::belief::Belief;
 use crate::bounds;
 use crate::index::{Label, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
+use crate::offline::ScanBounds;
 use crate::planes;
 use crate::scenario::LookPoint;
 
@@ -80,7 +81,7 @@ impl Search<'_> {
         }
         let value = bounds::lower(model, policy, belief.known(), step.viewpoint);
         let features = Features { mass: 1.0, value, entropy: left_to_learn(model, &belief) };
-        let upper = bounds::upper(model, belief.known(), step.viewpoint);
+        let upper = planner.upper(&belief, step.viewpoint);
         let values = planner.leaf(node.depth + 1, &belief, features, upper);
         let child = Child { values, probability: 1.0, node: None };
         let fixed = Values::all(reward);
@@ -93,20 +94,25 @@ impl Search<'_> {
         let planner = self.planner;
         let outcomes =
             ScanOutcomes::new(&planner.model, &planner.default_policy, scan.belief, scan.viewpoint);
+        let certificate = planner
+            .certificate_for(scan.belief)
+            .map(|bound| bound.after_scan(&planner.model, scan.belief, scan.viewpoint));
         let looks = scan.looks(&planner.model, outcomes.positions());
         let mut branches = Branches {
             search: self,
             scan,
             outcomes: &outcomes,
+            certificate: certificate.as_ref(),
             looks: &looks,
             children: Vec::new(),
             labels: Vec::new(),
             sum: Features::default(),
             upper: 0.0,
+            certified: 0.0,
         };
         let all = Features { mass: 1.0, value: 0.0, entropy: 0.0 };
         branches.descend(&scan.node.scenarios, &[], all, outcomes.unseen());
-        let Branches { children, labels, sum, upper, .. } = branches;
+        let Branches { children, labels, sum, upper, certified, .. } = branches;
         let rest = Features {
             mass: (1.0 - sum.mass).max(0.0),
             value: outcomes.expected_value() - sum.value,
@@ -115,9 +121,11 @@ impl Search<'_> {
         let reward = reward + outcomes.bonus;
         let discount = planner.model.discount();
         let bound = reward + discount * rest.value;
+        let closed = outcomes.expected_upper() - upper;
+        let rest_upper = certificate.map_or(closed, |bounds| closed.min(bounds.expected_upper() - certified));
         let fixed = Values {
             estimate: bound + discount * planner.shortfall.at(rest, scan.belief.objects_left()),
-            certified: reward + discount * (outcomes.expected_upper() - upper),
+            certified: reward + discount * rest_upper,
             ..Values::all(bound)
         };
         Edge { action, fixed, values: fixed, children, labels }
@@ -174,13 +182,15 @@ struct Branches<'a, 'b> {
     search: &'a Search<'b>,
     scan: &'a Scan<'a>,
     outcomes: &'a ScanOutcomes,
+    certificate: Option<&'a ScanBounds<'a>>,
     looks: &'a [LookPoint],
     children: Vec<Child>,
     labels: Vec<Label>,
     /// Of all children, each with its probability.
     sum: Features,
-    /// Their upper bounds, each with its probability.
+    /// Their upper bounds in closed form, and by the certificate, each with its probability.
     upper: f64,
+    certified: f64,
 }
 
 impl Branches<'_, '_> {
@@ -204,13 +214,16 @@ impl Branches<'_, '_> {
     }
 
     fn child(&mut self, labels: &[Label], Features { mass: probability, value, entropy }: Features) {
-        let upper = self.outcomes.upper(labels[0]);
+        let closed = self.outcomes.upper(labels[0]);
+        let certified = self.certificate.map_or(closed, |bounds| bounds.upper(labels));
+        let upper = closed.min(certified);
         let leaf = Features { mass: 1.0, value, entropy };
         let values = self.search.planner.leaf(self.scan.node.depth + 1, self.scan.belief, leaf, upper);
         self.sum.mass += probability;
         self.sum.value += probability * value;
         self.sum.entropy += probability * entropy;
-        self.upper += probability * upper;
+        self.upper += probability * closed;
+        self.certified += probability * certified;
         self.children.push(Child { values, probability, node: None });
         self.labels.extend(labels);
     }

@@ -2,24 +2,15 @@
 
 use std::sync::Arc;
 
+use super::Search;
 use super::explain::Searched;
 use super::tree::first_best;
-use super::{BeliefSearch, Search};
-use crate::belief::Belief;
 use crate::bounds;
 use crate::config::Clock;
-use crate::index::{Class, Position, Viewpoint};
+use crate::index::{Class, Position};
 use crate::model::Action;
+use crate::offline::Certificate;
 use crate::plan::Plan;
-use crate::remaining::Remaining;
-
-impl BeliefSearch {
-    /// Upper bound of V* by the certificate, where it covers the belief.
-    fn certified_upper(&self, belief: &Belief, viewpoint: Viewpoint) -> f64 {
-        let endless = self.certificate.as_ref().filter(|_| belief.objects_left() == Remaining::ENDLESS);
-        endless.map_or(f64::INFINITY, |grid| grid.at(&self.model, belief.as_slice(), viewpoint))
-    }
-}
 
 impl Search<'_> {
     /// The action with the highest estimate.
@@ -39,7 +30,8 @@ impl Search<'_> {
         }
         let bounds = self.tree.root.values;
         let closed = bounds::upper(model, self.belief.known(), self.viewpoint);
-        let certified = self.planner.certified_upper(self.belief, self.viewpoint);
+        let ahead = |bound: &Certificate| bound.one_step_ahead(model, self.belief.as_slice(), self.viewpoint);
+        let certified = self.planner.certificate_for(self.belief).map_or(f64::INFINITY, ahead);
         Plan {
             action: self.best_action(),
             values,
