@@ -124,7 +124,7 @@ def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_planner_that_knows_a_solution_plans_the_same_with_a_tighter_certificate(tmp_path: Path) -> None:
+def test_a_planner_that_knows_a_solution_plans_with_tighter_bounds(tmp_path: Path) -> None:
     path = tmp_path / "paper.solution"
     belief = Belief(PAPER)
     belief.observe(2, [1, 0])
@@ -134,8 +134,8 @@ def test_a_planner_that_knows_a_solution_plans_the_same_with_a_tighter_certifica
     solved_until(lambda solution: solution.bounds(belief, 2)[1] < own, PAPER).save(path)
     solution = Solution.load(path)
     told = Despot(PAPER, trials=20, solution=solution).plan(belief, 2)
-    assert told.values == alone.values
-    assert (told.lower, told.upper, told.nodes) == (alone.lower, alone.upper, alone.nodes)
+    assert told.action == alone.action
+    assert told.upper < alone.upper
     assert told.certified_upper is not None
     assert told.certified_upper < own
     assert told.certified_upper <= solution.bounds(belief, 2)[1]

@@ -95,7 +95,7 @@ impl BeliefSearch {
     ) -> Self {
         let depth = config.depth_for(model);
         Self {
-            shortfall: Shortfall::fitted(model, &default_policy),
+            shortfall: Shortfall::fitted(model, &default_policy, certificate.as_ref()),
             certificate,
             model: Arc::new(model.clone()),
             default_policy,
@@ -201,7 +201,8 @@ impl<'a> Search<'a> {
         model.check_viewpoint(viewpoint)?;
         let value = bounds::lower(model, &planner.default_policy, belief.known(), viewpoint);
         let upper = planner.upper(belief, viewpoint);
-        let values = planner.leaf(0, belief, Features { mass: 1.0, value, entropy: 0.0 }, upper);
+        let values =
+            planner.leaf(0, belief, Features { mass: 1.0, value, entropy: 0.0, bound: upper - value }, upper);
         let tree = Tree { root: Child { values, probability: 1.0, node: None }, nodes: Vec::new() };
         let scenarios = Scenarios::sampled((model, &planner.randoms), belief, planner.depth, false);
         Ok(Self { planner, belief, viewpoint, tree, scenarios, nodes_created: 1, scenario_steps: 0 })

@@ -80,8 +80,9 @@ impl Search<'_> {
             return self.scan(&Scan { node, belief: &belief, viewpoint, decisions }, action, reward);
         }
         let value = bounds::lower(model, policy, belief.known(), step.viewpoint);
-        let features = Features { mass: 1.0, value, entropy: left_to_learn(model, &belief) };
         let upper = planner.upper(&belief, step.viewpoint);
+        let bound = if planner.certificate_for(&belief).is_some() { upper - value } else { 0.0 };
+        let features = Features { mass: 1.0, value, entropy: left_to_learn(model, &belief), bound };
         let values = planner.leaf(node.depth + 1, &belief, features, upper);
         let child = Child { values, probability: 1.0, node: None };
         let fixed = Values::all(reward);
@@ -110,13 +111,17 @@ impl Search<'_> {
             upper: 0.0,
             certified: 0.0,
         };
-        let all = Features { mass: 1.0, value: 0.0, entropy: 0.0 };
+        let all = Features { mass: 1.0, ..Features::default() };
         branches.descend(&scan.node.scenarios, &[], all, outcomes.unseen());
         let Branches { children, labels, sum, upper, certified, .. } = branches;
         let rest = Features {
             mass: (1.0 - sum.mass).max(0.0),
             value: outcomes.expected_value() - sum.value,
             entropy: outcomes.expected_entropy() - sum.entropy,
+            bound: certificate
+                .as_ref()
+                .map_or(0.0, |bounds| bounds.expected_upper() - outcomes.expected_value())
+                - sum.bound,
         };
         let reward = reward + outcomes.bonus;
         let discount = planner.model.discount();
@@ -209,15 +214,17 @@ impl Branches<'_, '_> {
             let labels = [&[label], behind].concat();
             let entropy = so_far.entropy + self.outcomes.entropy(Position(position), label);
             let worth = self.outcomes.value_after(Position(position), label, worth);
-            self.descend(&given, &labels, Features { mass: so_far.mass * p, entropy, value: 0.0 }, &worth);
+            self.descend(&given, &labels, Features { mass: so_far.mass * p, entropy, ..so_far }, &worth);
         }
     }
 
-    fn child(&mut self, labels: &[Label], Features { mass: probability, value, entropy }: Features) {
+    fn child(&mut self, labels: &[Label], Features { mass: probability, value, entropy, .. }: Features) {
         let closed = self.outcomes.upper(labels[0]);
         let certified = self.certificate.map_or(closed, |bounds| bounds.upper(labels));
         let upper = closed.min(certified);
-        let leaf = Features { mass: 1.0, value, entropy };
+        let bound = self.certificate.map_or(0.0, |_| certified - value);
+        let leaf = Features { mass: 1.0, value, entropy, bound };
+        self.sum.bound += probability * bound;
         let values = self.search.planner.leaf(self.scan.node.depth + 1, self.scan.belief, leaf, upper);
         self.sum.mass += probability;
         self.sum.value += probability * value;

@@ -1,15 +1,16 @@
 //! What the default policy is expected to fall short of the optimum by.
 //!
-//! `V* = l + s`, l the default policy's value; s is taken as linear in l, and in the entropy that is left where learning
-//! is rewarded (the default policy's value leaves the bonus aside). It is fitted such that `l + s` is on average what
-//! one backup makes of it (fitted value iteration: Gordon, ICML 1995), at beliefs such as searches meet. So values at
-//! different depths can be compared: looking deeper changes them only where it finds something.
+//! `V* = l + s`, l the default policy's value; s is taken as linear in l, in how far a certified upper bound lies above l,
+//! and in the entropy that is left where learning is rewarded (the default policy's value leaves the bonus aside). It is
+//! fitted such that `l + s` is on average what one backup makes of it (fitted value iteration: Gordon, ICML 1995), at
+//! beliefs such as searches meet. So values at different depths can be compared: looking deeper changes them only where
+//! it finds something.
 //!
 //! Most of s is the same everywhere, which is of no consequence on an endless belt. Where the belt ends it would be:
 //! what can still be gained falls with the objects left, and putting off a decision would seem to pay. There l is the
 //! better estimate; only what is left to learn still counts where learning is rewarded.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix4, Vector4};
 use rand::RngExt;
 
 use super::outcomes::ScanOutcomes;
@@ -18,6 +19,7 @@ use crate::belief::{Belief, entropy};
 use crate::bounds;
 use crate::index::{Label, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
+use crate::offline::Certificate;
 use crate::one_object::OneObjectPolicy;
 use crate::remaining::Remaining;
 use crate::sampling::{Purpose, invert, stream};
@@ -43,11 +45,13 @@ pub(super) struct Features {
     pub value: f64,
     /// What is left to learn: see [`left_to_learn`].
     pub entropy: f64,
+    /// How far the certificate lies above the default policy's value; 0 without one.
+    pub bound: f64,
 }
 
 impl Features {
-    fn vector(self) -> Vector3<f64> {
-        Vector3::new(self.mass, self.value, self.entropy)
+    fn vector(self) -> Vector4<f64> {
+        Vector4::new(self.mass, self.value, self.entropy, self.bound)
     }
 }
 
@@ -61,20 +65,25 @@ pub(super) fn left_to_learn(model: &SortingModel, belief: &Belief) -> f64 {
 
 /// Coefficients of the features.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shortfall(Vector3<f64>);
+pub(super) struct Shortfall(Vector4<f64>);
 
 impl Shortfall {
     /// Shortfall of the default policy, never negative.
     pub(super) fn at(self, features: Features, remaining: Remaining) -> f64 {
-        let Features { mass, value, entropy } = features;
-        let of_value = if remaining.ends() { 0.0 } else { self.0[0] * mass + self.0[1] * value };
+        let Features { mass, value, entropy, bound } = features;
+        let of_value =
+            if remaining.ends() { 0.0 } else { self.0[0] * mass + self.0[1] * value + self.0[3] * bound };
         (of_value + self.0[2] * entropy).max(0.0)
     }
 
     /// Fit to a model. Deterministic.
-    pub(super) fn fitted(model: &SortingModel, policy: &OneObjectPolicy) -> Self {
-        let visits = walk(model, policy);
-        let mut fit = Self(Vector3::zeros());
+    pub(super) fn fitted(
+        model: &SortingModel,
+        policy: &OneObjectPolicy,
+        certificate: Option<&Certificate>,
+    ) -> Self {
+        let visits = walk((model, certificate), policy);
+        let mut fit = Self(Vector4::zeros());
         for _ in 0..ITERATIONS {
             let Some(next) = fit.backed_up(model.discount(), &visits) else { break };
             fit = next;
@@ -84,7 +93,7 @@ impl Shortfall {
 
     /// The closest fit to what one backup makes of this one.
     fn backed_up(self, discount: f64, visits: &[Visit]) -> Option<Self> {
-        let (mut system, mut target) = (Matrix3::identity() * RIDGE, Vector3::zeros());
+        let (mut system, mut target) = (Matrix4::identity() * RIDGE, Vector4::zeros());
         for visit in visits {
             let features = visit.here.vector();
             let value = |(reward, next): &(f64, Features)| {
@@ -98,6 +107,9 @@ impl Shortfall {
     }
 }
 
+/// A model, and its certificate if there is one.
+type Bounded<'a> = (&'a SortingModel, Option<&'a Certificate>);
+
 /// A belief of the walk; and of each action the reward, and the features after it.
 struct Visit {
     here: Features,
@@ -105,21 +117,21 @@ struct Visit {
 }
 
 /// Beliefs along a walk that takes the action with the highest value, or now and then a random one, as searches do.
-fn walk(model: &SortingModel, policy: &OneObjectPolicy) -> Vec<Visit> {
+fn walk((model, certificate): Bounded<'_>, policy: &OneObjectPolicy) -> Vec<Visit> {
     let entries = model.viewpoint_count() * model.position_count() * model.class_count();
     let length = (WORK / entries).clamp(BELIEFS.start, BELIEFS.end);
     let mut rng = stream(0, Purpose::Walk, u64::from(u32::MAX));
     let (mut belief, mut viewpoint) = (Belief::new(model), Viewpoint(0));
     let mut visits = Vec::with_capacity(length);
     for _ in 0..length {
-        let steps = steps(model, policy, &belief, viewpoint);
+        let steps = steps((model, certificate), policy, &belief, viewpoint);
         let worth = |step: &Step| step.reward + model.discount() * step.next.value;
         let chosen = if rng.random::<f64>() < EXPLORATION {
             rng.random_range(0..steps.len())
         } else {
             first_best(&steps, worth)
         };
-        let here = features(model, policy, &belief, viewpoint);
+        let here = features((model, certificate), policy, &belief, viewpoint);
         visits.push(Visit { here, actions: steps.iter().map(|step| (step.reward, step.next)).collect() });
         let Some(Step { belief: before_scan, viewpoint: stands, scan, .. }) = steps.into_iter().nth(chosen)
         else {
@@ -147,7 +159,12 @@ struct Step {
 }
 
 /// The best decision, then the legal moves.
-fn steps(model: &SortingModel, policy: &OneObjectPolicy, from: &Belief, viewpoint: Viewpoint) -> Vec<Step> {
+fn steps(
+    (model, certificate): Bounded<'_>,
+    policy: &OneObjectPolicy,
+    from: &Belief,
+    viewpoint: Viewpoint,
+) -> Vec<Step> {
     let step = |action| {
         let step = model.step(action, viewpoint, from.objects_left());
         let reward = model.expected_reward(&step, from.position(Position(0)).as_slice());
@@ -156,11 +173,14 @@ fn steps(model: &SortingModel, policy: &OneObjectPolicy, from: &Belief, viewpoin
             belief.advance(model);
         }
         let Some(scanned) = step.scan else {
-            let next = features(model, policy, &belief, viewpoint);
+            let next = features((model, certificate), policy, &belief, viewpoint);
             return Step { reward, next, belief, viewpoint, scan: None };
         };
         let scan = ScanOutcomes::new(model, policy, &belief, scanned);
-        let next = Features { mass: 1.0, value: scan.expected_value(), entropy: scan.expected_entropy() };
+        let value = scan.expected_value();
+        let upper =
+            certificate.map_or(value, |bound| bound.after_scan(model, &belief, scanned).expected_upper());
+        let next = Features { mass: 1.0, value, entropy: scan.expected_entropy(), bound: upper - value };
         Step { reward: reward + scan.bonus, next, belief, viewpoint, scan: Some(scan) }
     };
     let decide = Action::Decide(from.most_likely(Position(0)).0);
@@ -169,11 +189,12 @@ fn steps(model: &SortingModel, policy: &OneObjectPolicy, from: &Belief, viewpoin
 }
 
 fn features(
-    model: &SortingModel,
+    (model, certificate): Bounded<'_>,
     policy: &OneObjectPolicy,
     belief: &Belief,
     viewpoint: Viewpoint,
 ) -> Features {
     let value = bounds::lower(model, policy, belief.known(), viewpoint);
-    Features { mass: 1.0, value, entropy: left_to_learn(model, belief) }
+    let upper = certificate.map_or(value, |bound| bound.value(model, belief.as_slice(), viewpoint));
+    Features { mass: 1.0, value, entropy: left_to_learn(model, belief), bound: upper - value }
 }
