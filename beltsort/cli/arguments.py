@@ -96,7 +96,8 @@ def add_simulation(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--reference",
         metavar="FILE",
-        help="a solution (`beltsort solve -o`) with which to compute regret",
+        help="a solution (`beltsort solve -o`) with which to compute regret, for one or two positions; "
+        "`beltsort compare` also bounds what each policy loses, for any number",
     )
     parser.add_argument(
         "--belt-ends",

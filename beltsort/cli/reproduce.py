@@ -21,14 +21,14 @@ def add_parser(subparsers: Subparsers) -> None:
         help="run the paper's experiments; write figures, tables and a report",
         description="Run the paper's experiments, with labels drawn from tables and from depth scans, and "
         "write the figures (PNG, SVG), the numbers (CSV) and a report (HTML) to a folder. An interrupted run "
-        "resumes if started again with the same folder. The full run takes about half an hour on two idle "
-        "cores.",
+        "resumes if started again with the same folder. The full run takes about three quarters of an hour "
+        "on two idle cores.",
     )
     parser.add_argument(
         "--quick",
         action="store_true",
         help="few batches, three penalties for depth scans, no discount of 0.99, at most three positions; "
-        "takes under three minutes",
+        "takes under four minutes",
     )
     parser.add_argument(
         "-o", "--output", type=Path, default=Path(FOLDER), metavar="FOLDER", help=f"(default: {FOLDER})"

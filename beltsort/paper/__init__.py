@@ -18,7 +18,7 @@ One point of Fig. 5, with labels drawn from the paper's tables:
 >>> point = paper.label_point(paper.QUICK, 0, model, paper.FOUR, batches=20)
 >>> (row,) = paper.plain_table([point | paper.simulate_labels(point)])
 >>> row["policy"], row["r_min"], 15 < row["steps"] < 25
-('DESPOT', 5.0, True)
+('DESPOT (recommended)', 5.0, True)
 """
 
 from beltsort.paper.claims import all_claims, claims

@@ -10,7 +10,15 @@ from beltsort.paper.instances import OBJECTS, TWO
 from beltsort.paper.labels import LEVEL as LABELS
 from beltsort.paper.labels import STUDY
 from beltsort.paper.outcomes import Row, select
-from beltsort.paper.policies import DESPOT, INFORMATION_GAIN, OPTIMUM, POLICIES, THRESHOLD
+from beltsort.paper.policies import (
+    INFORMATION_GAIN,
+    OPTIMUM,
+    PLANNERS,
+    POLICIES,
+    PUBLISHED,
+    RECOMMENDED,
+    THRESHOLD,
+)
 from beltsort.paper.scans import LEVEL as SCANS
 from beltsort.paper.statistics import mean
 from beltsort.paper.style import (
@@ -33,7 +41,7 @@ SOURCES = (
     ("labels from the cell's tables", {"level": LABELS, "instance": "cell"}),
     ("depth scans of the cell", {"level": SCANS, "instance": "cell"}),
 )
-SHOWN = (DESPOT, OPTIMUM, THRESHOLD, INFORMATION_GAIN)
+SHOWN = (RECOMMENDED, OPTIMUM, THRESHOLD, INFORMATION_GAIN, PUBLISHED)
 TICKS = (5.0, 20.0, 50.0, 200.0, 500.0)
 DECISIONS = (("positives", "right", True), ("negatives", "wrong", False))
 OF_TEN = "objects of ten"
@@ -61,7 +69,8 @@ def accuracy_figure(rows: Sequence[Row], positions: int, discount: float) -> "Fi
             found = select(shown, policy=policy, positions=positions)
             for outcome, name, filled in DECISIONS if found else ():
                 look = style(number, filled=filled)
-                penalty_curve(panel, found, outcome, number - 1.5, label=f"{policy}, {name}", **look)
+                aside = number - 0.5 * (len(SHOWN) - 1)
+                penalty_curve(panel, found, outcome, aside, label=f"{policy}, {name}", **look)
         if is_paper:
             panel.plot(*_columns(printed.POSITIVES), label="paper's robot, right", **PRINTED)
         panel.set(ylim=(-0.5, 10.5), ylabel=OF_TEN)
@@ -95,19 +104,20 @@ def steps_figure(rows: Sequence[Row], discount: float) -> "Figure":
 
 
 def one_against_two_figure(rows: Sequence[Row], discount: float) -> "Figure":
-    """Draw DESPOT's positives and negatives, one position against two: Fig. 7."""
+    """Draw the planners' positives and negatives, one position against two: Fig. 7."""
+    lines = list(product(PLANNERS, WORDS))
     figure, panels = new_figure(len(OBJECTS), len(SOURCES))
     for panel, shown, _ in _panels(panels, rows, discount):
-        for number, positions in enumerate(WORDS):
-            found = select(shown, policy=DESPOT, positions=positions)
-            for outcome, name, filled in DECISIONS:
+        for number, (planner, positions) in enumerate(lines):
+            found = select(shown, policy=planner, positions=positions)
+            for outcome, name, filled in DECISIONS if found else ():
                 look = style(number, filled=filled)
-                penalty_curve(
-                    panel, found, outcome, number - 0.5, label=f"{name}, {WORDS[positions]}", **look
-                )
+                aside = number - 0.5 * (len(lines) - 1)
+                label = f"{planner}, {name}, {WORDS[positions]}"
+                penalty_curve(panel, found, outcome, aside, label=label, **look)
         panel.set(ylim=(-0.5, 10.5), ylabel=OF_TEN)
-    figure.suptitle(f"DESPOT's right and wrong decisions, discount {discount:g}; {ERROR_BARS}")
-    shared_legend(figure, panels.ravel())
+    figure.suptitle(f"The planners' right and wrong decisions, discount {discount:g}; {ERROR_BARS}")
+    shared_legend(figure, panels.ravel(), 3)
     return figure
 
 
@@ -145,15 +155,19 @@ def beyond_figure(rows: Sequence[Row]) -> "Figure":
     figure, panels = new_figure(len(BEYOND), len(STUDIES))
     names = (*WORDS.values(), VARIED)
     for (study, axis), column in zip(STUDIES.items(), panels.T, strict=True):
-        lines: dict[str, list[Row]] = {}
+        lines: dict[tuple[str, str], list[Row]] = {}
         for row in sorted(select(rows, study=study), key=lambda row: float(row["setting"])):
             name = VARIED if study == POSITIONS else WORDS[row["positions"]]
-            lines.setdefault(name, []).append(row)
+            lines.setdefault((row["policy"], name), []).append(row)
         settings = sorted({row["setting"] for line in lines.values() for row in line})
         for panel, (outcome, title) in zip(column, BEYOND, strict=True):
-            for name, line in lines.items():
+            for (planner, name), line in lines.items():
                 x = [row["setting"] for row in line]
-                curve(panel, x, line, outcome, label=name, **style(names.index(name)))
+                recommended = planner == RECOMMENDED
+                look = style(names.index(name), filled=recommended) | {
+                    "linestyle": "-" if recommended else "--"
+                }
+                curve(panel, x, line, outcome, label=f"{planner}, {name}", **look)
             panel.set(xlabel=axis, ylabel=title)
             panel.grid(alpha=0.3)
             if study == BONUS:
@@ -161,7 +175,7 @@ def beyond_figure(rows: Sequence[Row]) -> "Figure":
                 panel.minorticks_off()
             panel.set_xticks(settings, [f"{setting:g}" for setting in settings])
         column[0].set_title(study)
-    figure.suptitle(f"Beyond the paper: DESPOT, $r_\\mathrm{{min}}$ = 50, paper's tables; {ERROR_BARS}")
+    figure.suptitle(f"Beyond the paper: $r_\\mathrm{{min}}$ = 50, paper's tables; {ERROR_BARS}")
     shared_legend(figure, panels.ravel())
     return figure
 

@@ -45,7 +45,7 @@ class Design:
     batches_scans
         Batches of ten sorted from depth scans.
     trials
-        Of DESPOT, per plan.
+        Of either planner, per plan.
     seconds_optimum
         Of one offline solution.
     bonuses
@@ -85,7 +85,7 @@ class Design:
 
 
 FULL = Design()
-"""All experiments: about half an hour on two idle cores."""
+"""All experiments: about three quarters of an hour on two idle cores."""
 
 QUICK = Design(
     r_min_scans=(5.0, 50.0, 500.0),

@@ -100,7 +100,7 @@ def _of_the_rows(results: Results, discount: float, folder: Path) -> Iterator[Pi
         ),
         (
             "figure_7_one_against_two", one_against_two_figure(rows, discount),
-            "Fig. 7: DESPOT's right and wrong decisions, one against two positions.",
+            "Fig. 7: the planners' right and wrong decisions, one against two positions.",
         ),
         (
             "bounds", bounds_figure(results.optimum),

@@ -7,7 +7,7 @@ from beltsort import Evaluation, SortingModel, evaluate
 from beltsort.paper.design import Design, Stream, seed_of
 from beltsort.paper.instances import OBJECTS, PAPER, Instance, Objects
 from beltsort.paper.outcomes import Point, Row
-from beltsort.paper.policies import BATCH, DESPOT, POLICIES, policy_at
+from beltsort.paper.policies import BATCH, POLICIES, RECOMMENDED, policy_at
 
 LEVEL = "labels from tables"
 STUDY = "paper"
@@ -57,7 +57,7 @@ def label_point(design: Design, seed: int, model: SortingModel, objects: Objects
         "r_min": model.r_min,
         "model": model.to_json(),
         "truth": None,
-        "policy": DESPOT,
+        "policy": RECOMMENDED,
         "trials": design.trials,
         "batches": design.batches_beyond,
         "batches_tuning": design.batches_tuning,

@@ -4,6 +4,7 @@ How far the offline solution gets depends on the machine's speed, and so do thes
 is run here depends on its seed alone.
 """
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,6 +15,8 @@ from beltsort.paper.labels import label_point, outcomes_of
 from beltsort.paper.outcomes import Point, Row, condition
 from beltsort.paper.policies import BATCH, OPTIMUM, POLICIES, policy_at
 from beltsort.paper.statistics import mean
+
+WORD = re.compile(r"\w+")
 
 
 def optimum_points(design: Design, seed: int) -> list[Point]:
@@ -106,7 +109,7 @@ def losses_table(rows: list[Row]) -> list[dict[str, Any]]:
             "lower": row["lower"],
             "upper": row["upper"],
             **{
-                f"{name.replace(' ', '_')}_loss{suffix}": getattr(mean(losses), statistic)
+                f"{'_'.join(WORD.findall(name))}_loss{suffix}": getattr(mean(losses), statistic)
                 for name, losses in row["losses"].items()
                 for suffix, statistic in (("", "value"), ("_standard_error", "standard_error"))
             },

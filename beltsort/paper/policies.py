@@ -1,13 +1,18 @@
-"""The planner and the simple policies it is compared with, which are tuned on other seeds."""
+"""The planners, and the simple policies they are compared with, which are tuned on other seeds."""
 
 import math
 from collections.abc import Mapping
 from typing import Any
 
-from beltsort import Despot, InformationGain, Policy, SortingModel, Threshold, evaluate
+from beltsort import InformationGain, Policy, SortingModel, Threshold, evaluate
+from beltsort.planning.named_policy import named_policy
 
-DESPOT, THRESHOLD, INFORMATION_GAIN, OPTIMUM = "DESPOT", "threshold", "information gain", "offline solution"
-POLICIES = (DESPOT, THRESHOLD, INFORMATION_GAIN)
+RECOMMENDED, PUBLISHED = "DESPOT (recommended)", "DESPOT as published"
+THRESHOLD, INFORMATION_GAIN, OPTIMUM = "threshold", "information gain", "offline solution"
+PLANNERS = {RECOMMENDED: "despot", PUBLISHED: "despot-scenarios"}
+"""The planners, with their names in commands; the paper used the published one (Ye et al. 2017)."""
+
+POLICIES = (*PLANNERS, THRESHOLD, INFORMATION_GAIN)
 
 THRESHOLDS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.96, 0.97, 0.98, 0.99, 0.995, 0.998)
 BATCH = 10
@@ -19,13 +24,14 @@ def policy_at(point: Mapping[str, Any], model: SortingModel) -> tuple[Policy, st
     """Return a point's policy and its tuned parameters as text, None if it has none.
 
     A simple policy gets the parameters with the highest mean discounted return on the point's tuning seed, of
-    batches so long that their end does not matter, as DESPOT assumes. Tuned on batches of ten, it would
+    batches so long that their end does not matter, as the planners assume. Tuned on batches of ten, it would
     profit from the end of the batch.
     """
-    if point["policy"] == DESPOT:
-        return Despot(model, trials=point["trials"], threads=1), None
-    candidates = CANDIDATES[point["policy"]](model)
-    scores = {name: _score(point, model, policy) for name, policy in candidates.items()}
+    name = point["policy"]
+    if name in PLANNERS:
+        return named_policy(f"{PLANNERS[name]}:{point['trials']}", model, threads=1), None
+    candidates = CANDIDATES[name](model)
+    scores = {parameter: _score(point, model, policy) for parameter, policy in candidates.items()}
     best = max(scores, key=scores.__getitem__)
     return candidates[best], best
 

@@ -1,4 +1,7 @@
-"""Experiments on depth scans: the simulated cell, perception and the loop, ten bulbs a batch."""
+"""Experiments on depth scans: the simulated cell, perception and the loop, ten bulbs a batch.
+
+They take much longer than labels from tables, and are run with the recommended planner only.
+"""
 
 import hashlib
 from collections.abc import Mapping
@@ -15,7 +18,7 @@ from beltsort.paper.design import Design, Stream, seed_of
 from beltsort.paper.instances import OBJECTS, Instance
 from beltsort.paper.labels import STUDY
 from beltsort.paper.outcomes import Point, Row
-from beltsort.paper.policies import BATCH, DESPOT
+from beltsort.paper.policies import BATCH, RECOMMENDED
 from beltsort.perception import NearestNeighbour, Perception
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sorting.journal import Journal
@@ -81,7 +84,7 @@ def scan_point(
         "discount": design.discounts[0],
         "r_min": r_min,
         "model": model.replace(r_min=r_min, discount=design.discounts[0]).to_json(),
-        "policy": DESPOT,
+        "policy": RECOMMENDED,
         "trials": design.trials,
         "database": str(cell.database),
         "batch": batch,

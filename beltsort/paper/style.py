@@ -18,7 +18,7 @@ DPI = 150
 PALETTE = 128  # colours of a PNG
 PANEL = (3.6, 2.9)  # inches
 ERROR_BARS = f"error bars: {100 * CONFIDENCE:.0f} % confidence intervals of the mean"
-ASIDE = 1.05
+ASIDE = 1.04
 """Factor of one step of shift on the logarithmic axis of r_min."""
 PRINTED: dict[str, Any] = {
     "color": "black",

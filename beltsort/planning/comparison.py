@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beltsort._core import ArgumentError, Evaluation, Solution, SortingModel, evaluate
+from beltsort.planning.loss_bound import LossBound, loss_bound, loss_bounds_table
 from beltsort.planning.policy import Policy
 from beltsort.util.text import numbers_or_none, text_table
 
@@ -52,6 +53,9 @@ class Comparison:
         Decisions per batch.
     seed
         Seed of classes and labels.
+    loss_bounds
+        How much each policy loses at most, by name; empty without a reference, and for objects that are not
+        drawn from the model.
     """
 
     evaluations: Mapping[str, Evaluation]
@@ -59,6 +63,7 @@ class Comparison:
     metrics: tuple[str, ...]
     batch_size: int
     seed: int
+    loss_bounds: Mapping[str, LossBound] = field(default_factory=dict)
 
     def outcomes(self, policy: str, metric: str) -> NDArray[np.float64]:
         """Return a metric of a policy for every batch, float64 of shape (batches,).
@@ -133,10 +138,11 @@ class Comparison:
                 }
                 for name, differences in self.differences().items()
             },
+            "loss_bounds": {name: bound.to_dict() for name, bound in self.loss_bounds.items()},
         }
 
     def __str__(self) -> str:
-        """Format means and paired differences as plain text, a row per metric."""
+        """Format means and paired differences as plain text, a row per metric, then the loss bounds."""
         batches = len(self.evaluations[self.baseline].steps)
         means = {
             name: [f"{s['mean']:.3f} ± {s['standard_error']:.3f}" for s in summary.values()]
@@ -152,6 +158,7 @@ class Comparison:
                 self._table(means),
                 f"Minus {self.baseline} in the same batches, mean ± standard error (z):",
                 self._table(against),
+                *([loss_bounds_table(self.loss_bounds)] if self.loss_bounds else []),
             ]
         )
 
@@ -186,8 +193,12 @@ def compare(
 
     Parameters
     ----------
-    model, batches, batch_size, seed, threads, viewpoint, true_classes, truth, max_looks, reference, belt_ends
+    model, batches, batch_size, seed, threads, viewpoint, true_classes, truth, max_looks, belt_ends
         As in `evaluate`.
+    reference
+        A solution of the model, of any size. With it, the comparison tells how much each policy loses at most
+        (`Comparison.loss_bounds`), on objects drawn from the model; make batches long enough for the rewards
+        after them not to count. If it values actions, regrets are compared as well, as in `evaluate`.
     policies
         At least two policies, by name.
     baseline
@@ -204,8 +215,8 @@ def compare(
     Raises
     ------
     ArgumentError
-        If there are fewer than two policies, the baseline or a metric is unknown, or `evaluate` rejects an
-        argument.
+        If there are fewer than two policies, the baseline or a metric is unknown, the reference can bound
+        neither regrets nor losses, or `evaluate` rejects an argument.
 
     Examples
     --------
@@ -223,6 +234,9 @@ def compare(
     names = list(policies)
     chosen = names[0] if baseline is None else baseline
     _check("policy", chosen, names)
+    drawn_from_model = true_classes is None and (truth is None or truth == model)
+    if reference is not None:
+        _check_reference(reference, model, drawn_from_model, belt_ends)
     evaluations = {
         name: evaluate(
             model,
@@ -235,7 +249,7 @@ def compare(
             true_classes=true_classes,
             truth=truth,
             max_looks=max_looks,
-            reference=reference,
+            reference=reference if reference is not None and reference.values_actions else None,
             belt_ends=belt_ends,
         )
         for name, policy in policies.items()
@@ -244,7 +258,27 @@ def compare(
     compared = unbiased if metrics is None else list(metrics)
     for metric in compared:
         _check("metric", metric, unbiased)
-    return Comparison(evaluations, chosen, tuple(compared), batch_size, seed)
+    losses = {}
+    if reference is not None and drawn_from_model:
+        losses = {name: loss_bound(result, reference, viewpoint) for name, result in evaluations.items()}
+    return Comparison(evaluations, chosen, tuple(compared), batch_size, seed, losses)
+
+
+def _check_reference(
+    reference: Solution, model: SortingModel, drawn_from_model: bool, belt_ends: bool
+) -> None:
+    reference.check_solves(model)
+    if belt_ends:
+        raise ArgumentError(
+            "a reference bounds the value of belts that never end, and belt_ends has policies plan for one "
+            "that does; leave one of them out"
+        )
+    if not reference.values_actions and not drawn_from_model:
+        raise ArgumentError(
+            "the reference is of a model with more than two positions, or with viewpoints that differ in "
+            "their moves: it only bounds losses on objects and labels drawn from the model; leave out "
+            "true_classes and truth, or the reference"
+        )
 
 
 def _check(what: str, name: str, names: Sequence[str]) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from beltsort import Despot, InformationGain, SortingModel, Threshold, compare, evaluate, solve
+from beltsort import Despot, InformationGain, Solution, SortingModel, Threshold, compare, evaluate, solve
 
 from .running import PAPER, command, json_of, output
 
@@ -106,3 +106,23 @@ def test_errors_are_one_line(policies: list[str], message: str) -> None:
     assert done.returncode == 2
     assert done.stdout == ""
     assert re.fullmatch(rf"beltsort: error: .*{message}.*\n", done.stderr)
+
+
+def test_losses_on_a_model_with_three_positions(tmp_path: Path) -> None:
+    model, path = str(tmp_path / "three.json"), str(tmp_path / "three.solution")
+    paper = SortingModel.load(PAPER)
+    paper.replace(p_obs=[*paper.p_obs, paper.p_obs[-1]]).save(model)
+    assert command("solve", model, "--seconds", "2", "-o", path).returncode == 0
+    options = ["--policies", "one-object", "threshold:0.9", "--batches", "20", "--batch-size", "40"]
+    options += ["--reference", path]
+    result = json_of("compare", model, *options)["loss_bounds"]
+    bound = Solution.load(path).upper
+    for policy in ("one-object", "threshold:0.9"):
+        assert result[policy]["optimal_value"] == bound
+        assert result[policy]["mean"] > 0.0
+        assert result[policy]["confidence_limit"] > result[policy]["mean"]
+    text = output("compare", model, *options)
+    assert re.search(r"^ +loses at most +\d+\.\d+ ± \d", text, re.MULTILINE)
+    assert re.search(r"^Certified: the bound of the optimal value", text, re.MULTILINE)
+    refused = command("evaluate", model, "--policy", "threshold", "--threshold", "0.9", "--reference", path)
+    assert re.search(r"cannot value actions.*`compare` bounds", refused.stderr)

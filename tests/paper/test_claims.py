@@ -23,6 +23,7 @@ from beltsort.paper import (
 from beltsort.paper.beyond import BONUS, beyond_claims
 from beltsort.paper.design import Stream, seed_of
 from beltsort.paper.instances import sharpened, with_arrival, with_more_positions
+from beltsort.paper.policies import RECOMMENDED
 from beltsort.paper.statistics import conclude, mean, unpaired
 
 BATCHES = 40
@@ -36,7 +37,7 @@ def row(positions: int, r_min: float, steps: float, positives: float, **further:
     right = np.full(BATCHES, positives) + own / 10
     return {
         "study": "paper", "setting": None, "level": "labels from tables", "instance": "paper",
-        "objects": FOUR.name, "positions": positions, "discount": 0.95, "r_min": r_min, "policy": "DESPOT",
+        "objects": FOUR.name, "positions": positions, "discount": 0.95, "r_min": r_min, "policy": RECOMMENDED,
         "parameter": None, "steps": (steps + COMMON + own).tolist(), "positives": right.tolist(),
         "negatives": (10 - right).tolist(), "returns": (steps + COMMON + own).tolist(), **further,
     }  # fmt: skip

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,9 @@ from beltsort import paper
 from beltsort.cli import main
 from beltsort.cli.reproduce import show_text
 from beltsort.paper import Reproduction, run_experiments
+from beltsort.paper.beyond import BONUS
 from beltsort.paper.files import REPRODUCIBLE, write_tables
+from beltsort.paper.policies import PLANNERS, PUBLISHED, RECOMMENDED
 from beltsort.paper.run import STORE
 from beltsort.sim.prepare import Prepared
 from tests.waiting import wait_until
@@ -48,9 +51,8 @@ def test_every_figure_is_there_and_shows_something(reproduction: Reproduction, f
 def test_axes_have_names_and_the_papers_numbers_are_marked(reproduction: Reproduction, folder: Path) -> None:
     texts = re.findall(r"<!-- *(.*?) *-->", (folder / "figure_6_steps.svg").read_text())
     assert texts.count("steps for ten objects") == 6
-    assert {"paper's robot, one position", "paper's robot, two positions", "DESPOT, two positions"} <= set(
-        texts
-    )
+    assert {"paper's robot, one position", "paper's robot, two positions"} <= set(texts)
+    assert {f"{planner}, two positions" for planner in PLANNERS} <= set(texts)
 
 
 def test_the_report_needs_no_other_file(reproduction: Reproduction) -> None:
@@ -76,6 +78,44 @@ def test_rows_are_whole(reproduction: Reproduction) -> None:
         assert solved["lower"] <= solved["upper"]
         assert min(map(min, solved["losses"].values())) >= 0.0
     assert {row["parameter"] is None for row in paper.select(results.labels, policy="threshold")} == {False}
+
+
+def conditions_of(rows: list[dict[str, Any]], policy: str) -> set[tuple[Any, ...]]:
+    names = ("study", "setting", "instance", "objects", "positions", "discount", "r_min")
+    return {(*(row[name] for name in names), len(row["steps"])) for row in rows if row["policy"] == policy}
+
+
+def test_both_planners_are_in_every_experiment_from_tables(reproduction: Reproduction, folder: Path) -> None:
+    results = reproduction.results
+    without_bonus = [row for row in results.beyond if row["study"] != BONUS]
+    for rows in (results.labels, without_bonus):
+        assert conditions_of(rows, PUBLISHED) == conditions_of(rows, RECOMMENDED) != set()
+    bonuses = paper.select(results.beyond, study=BONUS)
+    assert {row["policy"] for row in bonuses} == {RECOMMENDED}, "the published one cannot plan with a bonus"
+    assert all(set(PLANNERS) < set(solved["losses"]) for solved in results.optimum)
+    for name in ("labels.csv", "beyond.csv"):
+        assert f",{PUBLISHED}," in (folder / name).read_text()
+    header = (folder / "optimum.csv").read_text().splitlines()[0]
+    assert {"DESPOT_recommended_loss", "DESPOT_as_published_loss"} <= set(header.split(","))
+    for figure in ("figure_4_one_position", "figure_7_one_against_two", "bounds", "beyond"):
+        drawing = (folder / f"{figure}.svg").read_text()
+        assert all(f"<!-- {planner}" in drawing for planner in PLANNERS), figure
+    page = reproduction.report.read_text()
+    assert f"<td>{PUBLISHED}</td>" in page
+
+
+def test_claims_are_of_each_planner_and_of_one_against_the_other(reproduction: Reproduction) -> None:
+    found = reproduction.results.claims()
+    for claim in ("two positions need fewer steps", "equal accuracy with two positions"):
+        where = [result.where for result in found if result.claim == claim and "tables (" in result.where]
+        by_planner = [
+            {text.removesuffix(f", {planner}") for text in where if planner in text} for planner in PLANNERS
+        ]
+        assert by_planner[0] == by_planner[1] != set()
+    (solved,) = paper.select(reproduction.results.optimum, positions=2, r_min=50.0)
+    (result,) = [r for r in found if r.claim == f"{RECOMMENDED} beats {PUBLISHED}, r_min = 50, positions: 2"]
+    lost = {planner: np.mean(solved["losses"][planner]) for planner in PLANNERS}
+    assert result.estimate.value == pytest.approx(lost[PUBLISHED] - lost[RECOMMENDED])
 
 
 def halve(store: Path) -> int:

@@ -147,6 +147,12 @@ impl Solution {
         Ok((lower, upper))
     }
 
+    /// Whether [`Self::regret`] can value actions.
+    #[must_use]
+    pub fn values_actions(&self) -> bool {
+        self.leaves.grid.is_some()
+    }
+
     /// What an action loses against the best one, both valued one exact step ahead of the upper bound; not negative.
     ///
     /// Where the bound is tight, so is this: `V* - V` of a policy is the expected discounted sum of what its actions
@@ -161,7 +167,7 @@ impl Solution {
         let Some(grid) = &self.leaves.grid else {
             return argument_error(
                 "this solution cannot value actions: it is of a model with more than two positions, or with viewpoints \
-                 that differ in their moves; compare returns instead",
+                 that differ in their moves; `compare` bounds what whole policies lose instead",
             );
         };
         let belief = belief.as_slice();

@@ -56,8 +56,8 @@ use crate::user_policy::UserPolicy;
 ///     decides never ends.
 /// reference : Solution, optional
 ///     What the actions are held against: its upper bound, one exact step ahead, says what each of them loses
-///     (`Evaluation.regrets`). For one or two positions, viewpoints that are all alike, and belts that never
-///     end.
+///     (`Evaluation.regrets`). For one or two positions, viewpoints that are all alike
+///     (`Solution.values_actions`), and belts that never end.
 /// belt_ends : bool
 ///     Whether the belt ends with the batch, and the beliefs that the policy is asked with tell how many
 ///     objects are left (`Belief.remaining`); `Despot`, `LookAhead` and `OneObject` heed it.

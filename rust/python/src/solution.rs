@@ -54,6 +54,28 @@ impl PySolution {
         PySortingModel(Arc::clone(&self.model))
     }
 
+    /// Whether it tells what single actions lose, as `evaluate` needs of a reference: for one or two positions whose
+    /// viewpoints all have the same moves at the same costs.
+    #[getter]
+    fn values_actions(&self) -> bool {
+        self.solution.values_actions()
+    }
+
+    /// Check that this is a solution of a model; remarks and label counts may differ.
+    ///
+    /// Parameters
+    /// ----------
+    /// model : SortingModel
+    ///     The model.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If it solves another model; the first difference is named.
+    fn check_solves(&self, model: &PySortingModel) -> PyResult<()> {
+        self.solution.check_solves(&model.0).map_err(to_python)
+    }
+
     /// Bounds of V* at any belief; at the arrival prior they are those of the search, elsewhere wider.
     ///
     /// Parameters

@@ -14,7 +14,7 @@ impl Solution {
     ///
     /// # Errors
     /// [`Error::Argument`] naming the first difference.
-    pub(crate) fn check_solves(&self, model: &SortingModel) -> Result<()> {
+    pub fn check_solves(&self, model: &SortingModel) -> Result<()> {
         match first_difference(self.model.spec(), model.spec())? {
             None => Ok(()),
             Some(difference) => {
