@@ -2,6 +2,7 @@
 
 from argparse import Namespace
 
+from beltsort._core import DEFAULT_TREE_DEPTH
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.entry_text import EntryFormatter
 from beltsort.cli.output import action_as_json, print_json, print_table
@@ -20,7 +21,11 @@ def add_parser(subparsers: Subparsers) -> None:
     add_run(parser)
     parser.add_argument("--step", type=int, required=True, metavar="N", help="planner step, from 1")
     parser.add_argument(
-        "--depth", type=int, default=2, metavar="D", help="planner steps to explain (default: 2)"
+        "--depth",
+        type=int,
+        default=DEFAULT_TREE_DEPTH,
+        metavar="D",
+        help="planner steps to explain (default: %(default)s)",
     )
     add_json(parser)
     parser.set_defaults(run=run)

@@ -5,6 +5,7 @@ from functools import partial
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig, describe, segment
 from beltsort.perception.vfh import Histogram
 from beltsort.sim import CellConfig
+from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.sim.rounds import TABLE_STREAM, TRAINING_STREAM, Round, rounds_of
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.log import LabelLog, Labels, label_missing
@@ -18,7 +19,7 @@ def collect_training(
     config: CellConfig | None = None,
     perception: PerceptionConfig | None = None,
     *,
-    objects: int = 40,
+    objects: int = TRAINING_OBJECTS,
     seed: int = 0,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -79,7 +80,7 @@ def collect_counts(
     database: NearestNeighbour,
     config: CellConfig | None = None,
     *,
-    objects: int = 100,
+    objects: int = TABLE_OBJECTS,
     seed: int = 0,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -116,7 +117,7 @@ def collect_scans(
     database: NearestNeighbour,
     config: CellConfig | None = None,
     *,
-    objects: int = 100,
+    objects: int = TABLE_OBJECTS,
     seed: int = 0,
     workers: int | None = None,
     progress: Progress | None = None,

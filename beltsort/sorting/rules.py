@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from beltsort._core import DEFAULT_MAX_LOOKS, MAX_IMPOSSIBLE_LABELS
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -28,9 +30,9 @@ class Rules:
         errors of arm and taught poses, less than what lies between two viewpoints.
     """
 
-    max_looks: int = 60
+    max_looks: int = DEFAULT_MAX_LOOKS
     empty_looks: int = 2
-    impossible_labels: int = 3
+    impossible_labels: int = MAX_IMPOSSIBLE_LABELS
     scan_attempts: int = 3
     retry_delays: tuple[float, ...] = (0.2, 1.0, 5.0, 15.0)
     arrival_angle: float = 5.0

@@ -4,16 +4,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::evaluation::Outcome;
-use super::{EvaluationConfig, TrueClasses};
+use super::{EvaluationConfig, MAX_IMPOSSIBLE_LABELS, TrueClasses};
 use crate::belief::{Belief, Memory};
 use crate::error::{Error, Result};
 use crate::index::{Class, Position, Viewpoint};
 use crate::model::{Action, SortingModel, Step, shift};
 use crate::policy::Policy;
 use crate::sampling::{Purpose, invert, label, stream};
-
-/// This many impossible labels of one object in a row end the looking at it.
-const IMPOSSIBLE_IN_A_ROW: usize = 3;
 
 /// An object on the belt.
 struct Object {
@@ -83,7 +80,7 @@ impl<'a> Batch<'a> {
     /// The policy's action, or the forced decision.
     fn choose(&mut self, policy: &dyn Policy) -> Result<Action> {
         let object = &self.objects[0];
-        if object.looks >= self.config.max_looks || object.impossible >= IMPOSSIBLE_IN_A_ROW {
+        if object.looks >= self.config.max_looks || object.impossible >= MAX_IMPOSSIBLE_LABELS {
             self.outcome.forced += 1;
             return Ok(Action::Decide(self.belief.most_likely(Position(0)).0));
         }
