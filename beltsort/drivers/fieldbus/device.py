@@ -5,8 +5,9 @@ from collections.abc import Callable
 
 from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import NOWHERE, Health
+from beltsort.drivers.deadline import Deadline, checked_deadline
 from beltsort.drivers.fieldbus.link import RequestBody
-from beltsort.drivers.fieldbus.reconnecting import Connect, Deadline, ReconnectingLink
+from beltsort.drivers.fieldbus.reconnecting import Connect, ReconnectingLink
 from beltsort.drivers.fieldbus.wire import NEED_HOME, OUTCOMES, Phase, Reason, Reply, Verb, explained, key_of
 
 COMMAND_POLL = 0.02
@@ -73,7 +74,7 @@ class FieldbusDevice:
         Call this only after an operator has checked it: when the controller was started, or after a fault.
         """
         what = f"homing to object {index}"
-        self._check(self._ask(RequestBody(Verb.HOME, index), Deadline(timeout), what), what)
+        self._check(self._ask(RequestBody(Verb.HOME, index), checked_deadline(timeout), what), what)
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Bring object `index` to the belt end; return the time at which the belt stopped.
@@ -111,12 +112,12 @@ class FieldbusDevice:
 
     def _command(self, body: RequestBody, command_id: str, what: str, timeout: float) -> float:
         """Execute a command; return the time at which it ended, seconds on the cell's clock."""
-        deadline, recall = Deadline(timeout), RequestBody(Verb.RECALL, key=body.key)
+        deadline, recall = checked_deadline(timeout), RequestBody(Verb.RECALL, key=body.key)
         lost = Outcome.UNKNOWN if command_id in self._sent else Outcome.NOT_DONE
         self._check_repeatable(command_id, self._ask(recall, deadline, what, lost), what)
         reply = self._send_command(body, deadline, what)
         while reply.phase is Phase.RUNNING:
-            if deadline.left < LAST_LOOK:
+            if deadline.left() < LAST_LOOK:
                 raise CommandError(
                     f"{what} is still running after {timeout:g} s, expected its end; stop it, or wait and "
                     "ask for its outcome",
