@@ -60,7 +60,7 @@ use crate::user_policy::UserPolicy;
 ///     end.
 /// belt_ends : bool
 ///     Whether the belt ends with the batch, and the beliefs that the policy is asked with tell how many
-///     objects are left (`Belief.remaining`); `Despot`, `LookAhead` and `OneObject` heed it.
+///     objects are left (`Belief.remaining`); `Despot`, `LookAhead` and `OneObject` take it into account.
 ///
 /// Returns
 /// -------

@@ -1,4 +1,4 @@
-//! The Python face of `beltsort-core`: one file per public type, no logic.
+//! The Python bindings of `beltsort-core`: one file per public type, no logic.
 
 // Python shows these docs: they are numpydoc, not Markdown.
 #![allow(clippy::doc_markdown, clippy::doc_link_with_quotes)]

@@ -222,7 +222,7 @@ impl PyOneObject {
 
 /// Compare all actions a fixed number of steps ahead, with the leaf values of `Despot`.
 ///
-/// The yardstick of a search: no trials, no bounds. Labels that no scenario gives follow the one-object policy.
+/// A baseline for the search: no trials, no bounds. Labels that no scenario gives follow the one-object policy.
 ///
 /// Parameters
 /// ----------

@@ -69,7 +69,7 @@ impl<'a> Batch<'a> {
         let mut decisions = 0;
         while decisions < self.config.batch_size {
             let action = self.choose(policy)?;
-            self.book_regret(action)?;
+            self.add_regret(action)?;
             let step = self.model.step(action, self.viewpoint, self.belief.objects_left());
             self.take(step)?;
             decisions += usize::from(step.advances());
@@ -114,7 +114,7 @@ impl<'a> Batch<'a> {
             self.advance();
         }
         let bonus = step.scan.map_or(0.0, |from| self.belief.bonus(self.model, from));
-        self.book(reward, expected, bonus);
+        self.add_step(reward, expected, bonus);
         if step.scan.is_some() { self.scan() } else { Ok(()) }
     }
 
@@ -142,8 +142,8 @@ impl<'a> Batch<'a> {
         self.given.clear();
     }
 
-    /// Book what the action loses, before it is taken.
-    fn book_regret(&mut self, action: Action) -> Result<()> {
+    /// Add the regret of an action to the outcome, before it is taken.
+    fn add_regret(&mut self, action: Action) -> Result<()> {
         if let Some(reference) = &self.config.reference {
             let regret = reference.regret(&self.belief, self.viewpoint, action)?;
             *self.outcome.regret.get_or_insert_default() += regret;
@@ -152,8 +152,8 @@ impl<'a> Batch<'a> {
         Ok(())
     }
 
-    /// Book one step: its reward, what was expected of it, and its bonus.
-    fn book(&mut self, reward: f64, expected: f64, bonus: f64) {
+    /// Add one step to the outcome: its reward, its expected reward and its bonus.
+    fn add_step(&mut self, reward: f64, expected: f64, bonus: f64) {
         self.outcome.steps += 1;
         self.outcome.total += reward;
         self.outcome.discounted += self.discount * reward;
