@@ -10,6 +10,15 @@ from beltsort.planning.policy import Policy
 
 __all__ = [
     "BUILD_PROFILE",
+    "DEFAULT_BATCHES",
+    "DEFAULT_BATCH_SIZE",
+    "DEFAULT_INFORMATION_POSITIONS",
+    "DEFAULT_LOOK_AHEAD_DEPTH",
+    "DEFAULT_MAX_LOOKS",
+    "DEFAULT_SCENARIOS",
+    "DEFAULT_SOLVE_SECONDS",
+    "DEFAULT_TREE_DEPTH",
+    "MAX_IMPOSSIBLE_LABELS",
     "VFH_BINS",
     "ArgumentError",
     "Belief",
@@ -38,6 +47,15 @@ __all__ = [
 
 _Path: TypeAlias = str | PathLike[str]
 
+DEFAULT_BATCHES: Final[int]
+DEFAULT_BATCH_SIZE: Final[int]
+DEFAULT_MAX_LOOKS: Final[int]
+MAX_IMPOSSIBLE_LABELS: Final[int]
+DEFAULT_SCENARIOS: Final[int]
+DEFAULT_SOLVE_SECONDS: Final[float]
+DEFAULT_LOOK_AHEAD_DEPTH: Final[int]
+DEFAULT_INFORMATION_POSITIONS: Final[int]
+DEFAULT_TREE_DEPTH: Final[int]
 VFH_BINS: Final[int]
 __version__: Final[str]
 BUILD_PROFILE: Final[Literal["debug", "release"]]
@@ -76,10 +94,10 @@ class SortingModel:
         viewpoints: Sequence[str],
         p_obs: ArrayLike,
         *,
-        r_max: float = 10.0,
-        r_min: float = 50.0,
+        r_max: float = ...,
+        r_min: float = ...,
         motion_cost: ArrayLike | None = None,
-        discount: float = 0.95,
+        discount: float = ...,
         arrival: Sequence[float] | None = None,
         travel: Sequence[Sequence[int]] | None = None,
         observe_after_decision: bool = False,
@@ -183,7 +201,7 @@ class Plan:
     def expansions(self) -> int: ...
     @property
     def nodes(self) -> int: ...
-    def tree(self, depth: int = 2) -> TreeNode: ...
+    def tree(self, depth: int = ...) -> TreeNode: ...
 
 @final
 class Despot:
@@ -191,7 +209,7 @@ class Despot:
         cls,
         model: SortingModel,
         *,
-        scenarios: int = 500,
+        scenarios: int = ...,
         seed: int = 0,
         threads: int | None = None,
         seconds: float | None = None,
@@ -230,7 +248,7 @@ class Solution:
     def load(path: _Path, model: SortingModel | None = None) -> Solution: ...
 
 def solve(
-    model: SortingModel, *, seconds: float = 60.0, progress: Callable[[float, float], object] | None = None
+    model: SortingModel, *, seconds: float = ..., progress: Callable[[float, float], object] | None = None
 ) -> Solution: ...
 
 @final
@@ -242,7 +260,7 @@ class Threshold:
 
 @final
 class InformationGain:
-    def __new__(cls, model: SortingModel, threshold: float, positions: int = 1) -> InformationGain: ...
+    def __new__(cls, model: SortingModel, threshold: float, positions: int = ...) -> InformationGain: ...
     @property
     def model(self) -> SortingModel: ...
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide: ...
@@ -250,7 +268,7 @@ class InformationGain:
 @final
 class LookAhead:
     def __new__(
-        cls, model: SortingModel, depth: int = 1, *, scenarios: int = 500, seed: int = 0
+        cls, model: SortingModel, depth: int = ..., *, scenarios: int = ..., seed: int = 0
     ) -> LookAhead: ...
     @property
     def model(self) -> SortingModel: ...
@@ -291,14 +309,14 @@ def evaluate(
     model: SortingModel,
     policy: Policy,
     *,
-    batches: int = 1000,
-    batch_size: int = 10,
+    batches: int = ...,
+    batch_size: int = ...,
     seed: int = 0,
     threads: int | None = None,
     viewpoint: int = 0,
     true_classes: ArrayLike | None = None,
     truth: SortingModel | None = None,
-    max_looks: int = 60,
+    max_looks: int = ...,
     reference: Solution | None = None,
     belt_ends: bool = False,
 ) -> Evaluation: ...

@@ -1,4 +1,4 @@
-"""The robot cell: what it must be able to do (`protocols`, `commands`), and what can be put around it."""
+"""The robot cell: protocols of its devices (`protocols`, `commands`), and wrappers of them."""
 
 from beltsort.cell.commands import (
     Act,

@@ -1,4 +1,4 @@
-"""How far the camera stands from where it should."""
+"""The deviation of the camera's pose from its viewpoint."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,21 +16,21 @@ class Deviation:
     Attributes
     ----------
     angle
-        Of the rotation between them, degrees.
+        Angle of the rotation between them, degrees.
     distance
-        Between their origins, millimetres.
+        Distance of their origins, millimetres.
     """
 
     angle: float
     distance: float
 
     def exceeds(self, angle: float, distance: float) -> bool:
-        """Whether it is more than so many degrees or millimetres."""
+        """Whether the deviation exceeds an angle, degrees, or a distance, millimetres."""
         return self.angle > angle or self.distance > distance
 
 
 def deviation(pose: Pose, expected: Pose) -> Deviation:
-    """Return by how much a pose, shape (4, 4), differs from another.
+    """Return the deviation of one pose, shape (4, 4), from another.
 
     Examples
     --------
@@ -45,11 +45,11 @@ def deviation(pose: Pose, expected: Pose) -> Deviation:
 
 
 def viewpoint_poses(cell: Cell) -> Sequence[Pose | None]:
-    """Return the camera's pose at each viewpoint, None where the cell does not know it."""
+    """Return the camera's pose at each viewpoint, None if the cell does not know it."""
     known = cell.poses if isinstance(cell, KnowsPoses) else ()
     return known or [None] * len(cell.viewpoints)
 
 
 def deviation_from(expected: Pose | None, scan: Scan) -> Deviation | None:
-    """Return how far from a viewpoint's pose a scan was taken; None if one of them is not known."""
+    """Return the deviation of a scan's camera pose from a viewpoint's; None if one is not known."""
     return None if expected is None or scan.assumed else deviation(scan.world_from_camera, expected)

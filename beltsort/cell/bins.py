@@ -1,4 +1,4 @@
-"""The bins of a cell, by name and by the sorter's own number."""
+"""The bins of a cell, with their names and the sorter's numbers."""
 
 from dataclasses import dataclass
 
@@ -10,28 +10,28 @@ REJECT = "reject"
 
 @dataclass(frozen=True)
 class Bin:
-    """Where objects are put.
+    """A bin.
 
     Attributes
     ----------
     name
-        The class that belongs there, or `REJECT`.
+        The class whose objects it contains, or `REJECT`.
     number
-        What the sorter is sent.
+        The sorter's number of it.
     """
 
     name: str
     number: int
 
     def __str__(self) -> str:
-        """Return it in words."""
+        """Return name and number in words."""
         return f'bin "{self.name}" ({self.number})'
 
 
 def bin_of(cell: Cell, label: int) -> Bin:
     """Return the bin of a class, or of the cell's `reject_bin`.
 
-    A sorter without numbers of its own is sent the label.
+    If the sorter has no numbers of its own, the number is the label.
     """
     names = dict(enumerate(cell.classes))
     numbers = dict(enumerate(cell.bin_numbers if isinstance(cell, NumbersBins) else ()))

@@ -1,4 +1,4 @@
-"""Commands to a cell's devices: what they can be, what becomes of them, how long to wait for that."""
+"""Commands to a cell's devices, their outcomes and timeouts."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -13,16 +13,16 @@ from beltsort.errors import CellError
 Result = TypeVar("Result")
 
 TIMEOUT = 30.0
-"""Seconds that a command may take if the caller says nothing."""
+"""Default timeout of a command, seconds."""
 
 
 class _Commanded(ABC):
-    """What all acts have in common.
+    """Base class of acts.
 
     Attributes
     ----------
     verb
-        Names the kind of act in journals, ids and texts.
+        Name of the kind of act in journals, command ids and messages.
     """
 
     verb: ClassVar[str]
@@ -30,16 +30,16 @@ class _Commanded(ABC):
     @property
     @abstractmethod
     def target(self) -> int:
-        """The number that the device is to reach."""
+        """The number of the viewpoint, object or bin."""
 
     def __str__(self) -> str:
-        """Return it in words."""
+        """Return verb and target."""
         return f"{self.verb} {self.target}"
 
 
 @dataclass(frozen=True)
 class MoveTo(_Commanded):
-    """Bring the camera to a viewpoint."""
+    """Move the camera to a viewpoint."""
 
     verb = "move"
     viewpoint: int
@@ -52,7 +52,7 @@ class MoveTo(_Commanded):
 
 @dataclass(frozen=True)
 class AdvanceTo(_Commanded):
-    """Bring an object to the belt end."""
+    """Advance the belt until an object is at its end."""
 
     verb = "advance"
     object: int
@@ -83,33 +83,33 @@ class SortInto(_Commanded):
 
 
 Act: TypeAlias = MoveTo | AdvanceTo | SortInto
-"""What an actuator can be commanded to do: a closed set."""
+"""The motions and sorts that can be commanded: a closed set."""
 
 
 class Outcome(Enum):
-    """What became of a command."""
+    """The outcome of a command."""
 
     DONE = "done"
-    """It acted, once."""
+    """It was executed, once."""
     NOT_DONE = "not done"
-    """It did not act, and will not unless it is sent again."""
+    """It was not executed, and will not be unless it is sent again."""
     BROKEN_OFF = "broken off"
-    """It began and did not end as it should: half done perhaps. Under its id it never acts again."""
+    """It was interrupted during execution. Under the same id it is never executed again."""
     RUNNING = "running"
-    """It acts now; sent again under its id, it is waited for."""
+    """It is being executed; sending it again under its id waits for its end."""
     UNKNOWN = "unknown"
-    """It may have acted, or may still act."""
+    """It may have been executed, or may still be."""
 
 
 class CommandError(CellError):
-    """A command that did not end as it should.
+    """A command that was not done.
 
     Parameters
     ----------
     message
-        Value, expectation, remedy.
+        Value, expectation and remedy.
     outcome
-        What became of it: whether it is safe to repeat.
+        Its outcome, from which follows whether it may be repeated.
     """
 
     def __init__(self, message: str, outcome: Outcome) -> None:
@@ -122,26 +122,26 @@ class EmergencyStopError(CommandError):
 
 
 def within(timeout: float, what: str, act: Callable[[], Result]) -> Result:
-    """Return what `act` returns, waiting no longer than a deadline.
+    """Return the result of a function, waiting no longer than a timeout.
 
-    For drivers whose own timeouts cannot be trusted. `act` runs in a thread of its own, which is left behind
-    when it is late; whatever it still returns or raises then is dropped.
+    This is for libraries whose own timeouts are not reliable. The function runs in a separate thread, which
+    is abandoned when the time is over; a later result or exception is dropped.
 
     Parameters
     ----------
     timeout
         Seconds, above 0.
     what
-        Names the act in the error.
+        Name of the action in the error.
     act
-        Called without arguments.
+        The function, without arguments.
 
     Raises
     ------
     CommandError
         With the outcome `UNKNOWN` when the time is over.
     BaseException
-        What `act` raised in time.
+        The exception that `act` raised in time.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def within(timeout: float, what: str, act: Callable[[], Result]) -> Result:
     def run() -> None:
         try:
             future.set_result(act())
-        except BaseException as failure:  # whatever it is, it belongs to the caller
+        except BaseException as failure:  # any exception; it is raised in the caller's thread
             future.set_exception(failure)
 
     Thread(target=run, name=what, daemon=True).start()

@@ -1,4 +1,4 @@
-"""Poses as people write them down: a matrix, or a position and a quaternion."""
+"""Poses given as a matrix, or as a position and a quaternion."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from beltsort.geometry import Pose
 
-ROUNDING = 1e-3  # by which a written-down rotation may miss a rotation; it is made exact
+ROUNDING = 1e-3  # largest error of a rotation that is given; it is made exact
 
 
 def from_quaternion(position: Sequence[float], quaternion: Sequence[float]) -> Pose:
@@ -40,12 +40,12 @@ def from_quaternion(position: Sequence[float], quaternion: Sequence[float]) -> P
 
 
 def from_matrix(rows: Sequence[Sequence[float]]) -> Pose:
-    """Return the rigid transform of a matrix, shape (4, 4), its rotation made exact.
+    """Return the rigid transform of a matrix, shape (4, 4), with its rotation made exact.
 
     Raises
     ------
     ValueError
-        If it is no rigid transform.
+        If the matrix is not a rigid transform.
     """
     pose = np.array(rows, dtype=np.float64)
     u, _, v = np.linalg.svd(pose[:3, :3])

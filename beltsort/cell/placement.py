@@ -1,4 +1,4 @@
-"""Between the robot's world, where drivers tell poses, and the belt's frame, which is the cell's world."""
+"""Transforms between the robot's world frame, used by drivers, and the belt frame, used by the cell."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ from beltsort.geometry import Pose
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Where the belt lies in the robot's world, and where the camera sits on its flange.
+    """The poses of the belt in the robot's world frame, and of the camera on the flange.
 
     Attributes
     ----------
     world_from_belt
-        The belt's frame in the robot's world, shape (4, 4); None if they are the same.
+        Pose of the belt frame in the robot's world frame, shape (4, 4); None if they are the same.
     flange_from_camera
         The hand-eye transform, shape (4, 4); None if it is not known.
 
@@ -37,14 +37,14 @@ class Placement:
     flange_from_camera: Pose | None = None
 
     def in_belt(self, pose: Pose) -> Pose:
-        """Return a pose of the robot's world in the belt's frame, shape (4, 4)."""
+        """Transform a pose from the robot's world frame to the belt frame, shape (4, 4)."""
         if self.world_from_belt is None:
             return pose
         there: Pose = np.linalg.inv(self.world_from_belt) @ pose
         return there
 
     def in_world(self, pose: Pose) -> Pose:
-        """Return a pose of the belt's frame in the robot's world, shape (4, 4)."""
+        """Transform a pose from the belt frame to the robot's world frame, shape (4, 4)."""
         return pose if self.world_from_belt is None else self.world_from_belt @ pose
 
     def of_camera(self, world_from_flange: Pose) -> Pose | None:
@@ -61,7 +61,7 @@ class Placement:
     def of_flange(self, belt_from_camera: Pose) -> Pose | None:
         """Return the flange's pose in the robot's world, shape (4, 4), or None without a hand-eye transform.
 
-        For arms that are sent to poses: that of a viewpoint is its camera's in the belt's frame.
+        For arms that are commanded by poses, since viewpoints are poses of the camera in the belt frame.
 
         Parameters
         ----------

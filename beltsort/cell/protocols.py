@@ -1,21 +1,21 @@
-"""What a robot cell is: an arm that carries a depth camera, a belt, and a sorter.
+"""The protocols of a robot cell: an arm that carries a depth camera, a belt, and a sorter.
 
-The rules that every device keeps, so that nothing is lost or done twice:
+The rules for every device, by which no command is lost or executed twice:
 
-* A call blocks until the act is done, and no longer than its `timeout` (seconds). Then, or when the act
-  fails, it raises a `CommandError` that says the outcome: done, not done, or unknown.
-* An actuator's command carries an id, unique for the device, under which it acts at most once. `outcome_of`
-  tells what became of it, also after the connection or this program was restarted. A command that was broken
-  off never acts again under its id: whoever repeats it gives it a new one.
+* A call blocks until the command is done, and no longer than its `timeout` (seconds). After a timeout or a
+  failure it raises a `CommandError` with the outcome of the command.
+* A command has an id, unique for the device, under which it is executed at most once. `outcome_of` returns
+  its outcome, also after the connection or this program was restarted. A command that was interrupted during
+  execution is never executed again under its id; to repeat it, use a new one.
 * Targets are absolute: "object n at the belt end", never "one step further".
-* A scan is younger than the stop of everything that moves. Both are given on the cell's clock: real devices
-  use `time.monotonic`, so that no setting of the time of day changes their order; simulated ones have their
-  own.
-* Poses are in the robot's world; a cell that is composed of devices brings them into the belt's frame.
-* A device whose controller was restarted has another `boot_id`: what it no longer remembers is unknown, not
-  undone.
+* A scan begins after arm and belt have stopped. Both times are on the cell's clock: for real devices
+  `time.monotonic`, so that setting the time of day does not change their order; simulated devices have a
+  clock of their own.
+* Poses are in the robot's world frame; a cell that is composed of devices transforms them to the belt frame.
+* After a restart of its controller a device has another `boot_id`. The outcome of a command that it no longer
+  remembers is then unknown, rather than not done.
 
-The emergency stop belongs to hardware. Software only reports it (`Health.emergency_stop`,
+The emergency stop is a function of the hardware. Software only reports it (`Health.emergency_stop`,
 `EmergencyStopError`) and aborts.
 """
 
@@ -27,12 +27,12 @@ from beltsort.cell.commands import TIMEOUT, Outcome
 from beltsort.geometry import BeltLayout, Points, Pose
 
 NOWHERE = -1
-"""The position of a belt that moves, stands between two objects, or was not told where it stands."""
+"""The position of a belt that moves, stands between two objects, or has not been homed."""
 
 
 @dataclass(frozen=True)
 class Scan:
-    """What the depth camera returns.
+    """A scan of the depth camera.
 
     Attributes
     ----------
@@ -40,14 +40,14 @@ class Scan:
         Points in the *camera* frame, metres: (height, width, 3) for an organised depth image, NaN where a
         pixel has no return, or (n, 3).
     world_from_camera
-        The camera's pose, shape (4, 4). A driver tells it in the robot's world, or NaN if it does not know
-        it; a cell that is composed of drivers tells it in the belt's frame.
+        The camera's pose, shape (4, 4). From a driver it is in the robot's world frame, or NaN if not known;
+        from a cell that is composed of drivers it is in the belt frame.
     stamp
         Time at which the exposure began, seconds on the cell's clock.
     frame
         Name of the camera frame.
     assumed
-        Whether nobody knows where the camera stood: the pose is that of the viewpoint where it should.
+        Whether the camera's pose is not known, and `world_from_camera` is that of the viewpoint instead.
     """
 
     points: Points
@@ -59,21 +59,20 @@ class Scan:
 
 @dataclass(frozen=True)
 class Health:
-    """What a device says of itself.
+    """The state of a device.
 
     Attributes
     ----------
     ready
-        Whether it takes commands.
+        Whether it accepts commands.
     boot_id
-        Changes when its controller restarts.
+        Changes with every restart of its controller.
     fault
-        Why it is not ready, in words; empty if it is.
+        The reason why it is not ready; empty if it is.
     emergency_stop
         Whether the emergency stop is pressed.
     needs_home
-        Whether it takes no commands until a person has told it which object is at the belt end
-        (`Homing.home`).
+        Whether it accepts no commands until an operator has set the object at the belt end (`Homing.home`).
     """
 
     ready: bool
@@ -84,29 +83,30 @@ class Health:
 
 
 class Device(Protocol):
-    """What every device can do."""
+    """A device."""
 
     def health(self) -> Health:
-        """Say how it is. Raises `CommandError` if it cannot be reached."""
+        """Return its state. Raises `CommandError` if it cannot be reached."""
 
     def stop(self) -> None:
-        """End every motion now, whatever becomes of its command. May be called from any thread."""
+        """Stop every motion now, also of commands in execution. May be called from any thread."""
 
 
 class Actuator(Device, Protocol):
-    """A device that acts on commands."""
+    """A device that executes commands."""
 
     def outcome_of(self, command_id: str, boot_id: str = "", /) -> Outcome:
-        """Tell what became of a command; `NOT_DONE` for one that never arrived.
+        """Return the outcome of a command.
 
-        `UNKNOWN` if the device may have forgotten what it did, after a restart for example.
+        It is `NOT_DONE` for a command that never arrived, and `UNKNOWN` if the device may have forgotten it,
+        for example after a restart.
 
         Parameters
         ----------
         command_id
-            The command's.
+            The id of the command.
         boot_id
-            `Health.boot_id` from before it was sent; empty if that is not known.
+            `Health.boot_id` from before the command was sent; empty if not known.
         """
 
 
@@ -114,7 +114,7 @@ class Arm(Actuator, Protocol):
     """Carries the camera."""
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring the camera to `viewpoint`; return the time of its stop, seconds on the cell's clock."""
+        """Move the camera to `viewpoint`; return the time of its stop, seconds on the cell's clock."""
 
 
 class DepthCamera(Device, Protocol):
@@ -128,9 +128,9 @@ class Belt(Actuator, Protocol):
     """Carries the objects."""
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring object number `index` of the run to the belt end; return the time of its stop there.
+        """Advance until object `index` is at the belt end; return the time of the stop.
 
-        Seconds on the cell's clock.
+        The time is in seconds on the cell's clock.
         """
 
 
@@ -143,39 +143,39 @@ class Sorter(Actuator, Protocol):
 
 @runtime_checkable
 class Homing(Protocol):
-    """A belt that a person must tell where it stands, when it does not know. Nothing else ever homes it."""
+    """A belt whose position an operator must set if it is not known. The program never homes it by itself."""
 
     def home(self, index: int, *, timeout: float = TIMEOUT) -> None:
-        """Take it that object number `index` of the run is at the belt end."""
+        """Set the number of the object at the belt end."""
 
 
 @runtime_checkable
 class TellsPosition(Protocol):
-    """A belt that knows where it stands."""
+    """A belt that reports its position."""
 
     def position(self) -> int | None:
         """Return the number of the object at the belt end.
 
-        `NOWHERE` while the belt moves, stands between two objects, or was not told; None if it is not set up
-        for that. Raises `CommandError` if it cannot be reached.
+        `NOWHERE` while the belt moves, stands between two objects, or has not been homed; None if it is not
+        set up to report its position. Raises `CommandError` if it cannot be reached.
         """
 
 
 @runtime_checkable
 class Addressed(Protocol):
-    """A device that only one run may drive at a time."""
+    """A device that only one run may use at a time."""
 
     @property
     def address(self) -> str:
-        """What names the device on this machine and its networks, such as `opc.tcp://192.168.0.5:4840`."""
+        """Name of the device on this machine and its networks, such as `opc.tcp://192.168.0.5:4840`."""
 
 
 @runtime_checkable
 class TellsFlangePose(Protocol):
-    """An arm that knows where its flange is."""
+    """An arm that reports the pose of its flange."""
 
     def flange_pose(self, *, timeout: float = TIMEOUT) -> Pose | None:
-        """Return the flange's pose in the robot's world, shape (4, 4), or None if it is not set up for that.
+        """Return the flange's pose in the robot's world frame, shape (4, 4), or None if not set up for it.
 
         Raises `CommandError` if the arm cannot be asked.
         """
@@ -183,36 +183,36 @@ class TellsFlangePose(Protocol):
 
 @runtime_checkable
 class KnowsPoses(Protocol):
-    """A cell that knows where the camera should stand."""
+    """A cell that knows the camera's pose at its viewpoints."""
 
     @property
     def poses(self) -> Sequence[Pose | None]:
-        """The camera's pose at each viewpoint in the belt's frame, shape (4, 4), or None."""
+        """The camera's pose at each viewpoint in the belt frame, shape (4, 4), or None."""
 
 
 @runtime_checkable
 class NumbersBins(Protocol):
-    """A cell whose sorter has numbers of its own for the bins."""
+    """A cell whose sorter has its own numbers for the bins."""
 
     @property
     def bin_numbers(self) -> Sequence[int]:
-        """The sorter's number of each label's bin, of the reject bin's last; empty: the labels themselves."""
+        """Bin number of each label, that of the reject bin last; if empty, the labels are the numbers."""
 
 
 @runtime_checkable
 class FollowsBelt(Protocol):
-    """A simulated world that has no belt of its own in this cell."""
+    """A simulated world whose objects are moved by the cell's belt."""
 
     def follow(self, index: int, stopped: float) -> None:
-        """Have object number `index` at the belt end since `stopped`, seconds on the cell's clock."""
+        """Place object `index` at the belt end as of `stopped`, seconds on the cell's clock."""
 
 
 @runtime_checkable
 class Restorable(Protocol):
-    """A device whose world ends with the process that made it, such as a simulated one."""
+    """A device whose state is lost with the process, such as a simulated one."""
 
     def restore(self, index: int, *, first: int, looks: int, taken: bool, clock: float) -> None:
-        """Stand where a run begins, or broke off.
+        """Set the state at which a run begins or is resumed.
 
         Parameters
         ----------
@@ -221,32 +221,32 @@ class Restorable(Protocol):
         first
             Number of the first object of the run.
         looks
-            Scans since it arrived there.
+            Number of scans since it arrived there.
         taken
             Whether it has been sorted.
         clock
-            Seconds on the cell's clock.
+            Time of the cell's clock, seconds.
         """
 
 
 class Cell(Protocol):
-    """Arm, camera, belt and bins, and what they are set to. A device may be several of them at once."""
+    """Arm, camera, belt and sorter with their configuration. One device may have several of these roles."""
 
     @property
     def arm(self) -> Arm:
-        """Carries the camera."""
+        """The arm that carries the camera."""
 
     @property
     def camera(self) -> DepthCamera:
-        """Takes scans."""
+        """The depth camera."""
 
     @property
     def belt(self) -> Belt:
-        """Carries the objects."""
+        """The belt."""
 
     @property
     def sorter(self) -> Sorter:
-        """Puts objects into bins."""
+        """The sorter."""
 
     @property
     def classes(self) -> Sequence[str]:

@@ -1,4 +1,4 @@
-"""What is done when work with a cell does not end well."""
+"""Stopping a cell after a failure."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,13 +8,13 @@ from beltsort.cell.protocols import Cell
 
 @contextmanager
 def stopping(cell: Cell) -> Iterator[None]:
-    """Stop every device of a cell if the block raises, be it an interrupt."""
+    """Stop every device of a cell if the block raises an exception, including an interrupt."""
     try:
         yield
     except BaseException as failure:
         for device in (cell.arm, cell.belt, cell.sorter, cell.camera):
             try:
                 device.stop()
-            except BaseException as reason:  # an interrupt, too: the others must be stopped all the same
+            except BaseException as reason:  # also an interrupt: the others must be stopped
                 failure.add_note(f"a device could not be stopped: {reason!r}")
         raise

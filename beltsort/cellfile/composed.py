@@ -37,10 +37,10 @@ class ComposedCell:
     classes, viewpoints, layout, reject_bin
         As in `Cell`; the label of the reject bin is the number of classes.
     dry_run
-        Names of the devices whose commands are only printed.
+        Names of the devices whose commands are printed instead of sent.
     poses
         The camera's pose at each viewpoint in the belt frame, shape (4, 4); None if only joint angles were
-        taught, or if the arm does not move.
+        taught, or if the camera does not move.
     bin_numbers
         The sorter's bin number of each label.
     """
@@ -68,9 +68,10 @@ def compose(
 ) -> ComposedCell:
     """Create the devices that a cell file names, with their wrappers.
 
-    The wrappers of each device, from the outermost: validation of arguments (`Limits`), the camera's pose in
-    the belt frame (`CameraPoses`), a log of calls (`Recorder`), dry run unless `live` (`DryRun`), injected
-    faults (`Faults`), timeouts (`Deadlines`), and the sorter's bin numbers (`Bins`).
+    The wrappers of each device, from the outermost: reports of the belt's advances to a simulated camera
+    (`Follow`), validation of arguments (`Limits`), the camera's pose in the belt frame (`CameraPoses`), a log
+    of calls (`Recorder`), dry run unless `live` (`DryRun`), injected faults (`Faults`), timeouts
+    (`Deadlines`), and the sorter's bin numbers (`Bins`).
 
     Parameters
     ----------
@@ -95,18 +96,18 @@ def compose(
     maker = _Maker(description, made)
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
     printed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
-    still = "arm" in printed or kinds["arm"].absent  # the camera does not move
+    camera_is_still = "arm" in printed or kinds["arm"].absent
     camera = devices["camera"]
-    follows = isinstance(camera, FollowsBelt) and camera is not devices["belt"]
-    inside = _inside(description)
+    camera_follows = isinstance(camera, FollowsBelt) and camera is not devices["belt"]
+    inner = _inner_layers(description)
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
         dry_run = [DryRun(say)] if role in printed else []
-        devices[role] = WRAPPED[role](devices[role], *recorder, *dry_run, *inside)
-    outside = _outside(description, devices["arm"])
+        devices[role] = WRAPPED[role](devices[role], *recorder, *dry_run, *inner)
+    outer = _outer_layers(description, devices["arm"])
     for role in ROLES:
-        follow = [Follow(camera)] if follows and role == "belt" else []
-        devices[role] = WRAPPED[role](devices[role], *follow, *outside)
+        follow = [Follow(camera)] if camera_follows and role == "belt" else []
+        devices[role] = WRAPPED[role](devices[role], *follow, *outer)
     return ComposedCell(
         **devices,
         classes=description.classes,
@@ -114,20 +115,21 @@ def compose(
         layout=description.layout,
         reject_bin=None if description.reject_bin is None else len(description.classes),
         dry_run=printed,
-        poses=tuple(None if still else viewpoint.pose() for viewpoint in description.viewpoints),
+        poses=tuple(None if camera_is_still else viewpoint.pose() for viewpoint in description.viewpoints),
         bin_numbers=description.bin_numbers,
     )
 
 
 @dataclass
 class _Maker:
-    """Creates the devices of a cell, each shared one only once."""
+    """Creates the devices of a cell; one that several roles share is created once."""
 
     description: CellDescription
     on_made: Callable[[Any], None]
     made: list[tuple[Backend, Mapping[str, object], Any]] = field(default_factory=list)
 
     def device(self, role: str, kind: Backend) -> Any:
+        """Return the device of a role; one with the same options is shared if the back-end says so."""
         options = self.description.options_of(role)
         for same_kind, same_options, device in self.made:
             if kind.shared and (same_kind, same_options) == (kind, options):
@@ -159,14 +161,16 @@ def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
     return made
 
 
-def _outside(description: CellDescription, arm: WrappedArm) -> list[Layer]:
+def _outer_layers(description: CellDescription, arm: WrappedArm) -> list[Layer]:
+    """Return the wrappers that check arguments and compute the camera's pose, the outermost first."""
     names, poses = description.viewpoint_names, [viewpoint.pose() for viewpoint in description.viewpoints]
     labels = [*description.classes, "the reject bin"][: len(description.bin_numbers)]
     camera_poses = CameraPoses(names, poses, description.placement, arm.flange_pose)
     return [Limits(names, labels), camera_poses]
 
 
-def _inside(description: CellDescription) -> list[Layer]:
+def _inner_layers(description: CellDescription) -> list[Layer]:
+    """Return the wrappers next to the devices, the outermost first."""
     timeouts = description.timeouts
     seconds: dict[type[Act], float] = {
         MoveTo: timeouts.move, AdvanceTo: timeouts.advance, SortInto: timeouts.sort

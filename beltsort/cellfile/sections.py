@@ -8,11 +8,13 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, FiniteFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
+from beltsort._core import DEFAULT_SCENARIOS
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.frames import from_matrix, from_quaternion
 from beltsort.cellfile.validation import Section
 from beltsort.geometry import Pose, look_at, on_sphere
 from beltsort.planning.named_policy import DEFAULT_TRIALS
+from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan
 
@@ -165,13 +167,13 @@ class Timeouts(Section):
 
 
 class Planner(Section):
-    """The planner's budget, `trials` or `seconds` (300 trials if neither), and its scenarios."""
+    """The planner's budget, `trials` or `seconds` (`DEFAULT_TRIALS` trials if neither), and its scenarios."""
 
     trials: PositiveInt | None = None
     """Trials per plan, reproducible."""
     seconds: PositiveFloat | None = None
     """Seconds per plan."""
-    scenarios: PositiveInt = 500
+    scenarios: PositiveInt = DEFAULT_SCENARIOS
     """Number of scenarios."""
     seed: NonNegativeInt = 0
     """Seed of the scenarios."""
@@ -195,9 +197,9 @@ class Planner(Section):
 class Prepare(Section):
     """Training and tables of a simulated cell, computed once and stored in the user's cache folder."""
 
-    training_objects: PositiveInt = 40
+    training_objects: PositiveInt = TRAINING_OBJECTS
     """Training objects of the classifier per class, viewpoint and position."""
-    table_objects: PositiveInt = 100
+    table_objects: PositiveInt = TABLE_OBJECTS
     """Independent objects per row of the observation tables."""
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from beltsort import ArgumentError, Solution, SortingModel
+from beltsort._core import DEFAULT_BATCH_SIZE, DEFAULT_BATCHES
 from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.util.naming import index_of, nearest_of
 
@@ -84,10 +85,18 @@ def budget_of(arguments: Namespace) -> dict[str, Any]:
 def add_simulation(parser: ArgumentParser) -> None:
     """Add the options of a simulation: batches, objects and threads."""
     parser.add_argument(
-        "--batches", type=int, default=1000, metavar="N", help="batches to simulate (default: 1000)"
+        "--batches",
+        type=int,
+        default=DEFAULT_BATCHES,
+        metavar="N",
+        help="batches to simulate (default: %(default)s)",
     )
     parser.add_argument(
-        "--batch-size", type=int, default=10, metavar="N", help="decisions per batch (default: 10)"
+        "--batch-size",
+        type=int,
+        default=DEFAULT_BATCH_SIZE,
+        metavar="N",
+        help="decisions per batch (default: %(default)s)",
     )
     parser.add_argument(
         "--seed", type=int, default=0, metavar="N", help="seed of objects and labels (default: 0)"

@@ -11,6 +11,7 @@ from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.output import print_json, print_status
 from beltsort.cli.progress import tenths
+from beltsort.sim.config import TABLE_OBJECTS
 
 if TYPE_CHECKING:
     from beltsort.perception import NearestNeighbour
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from beltsort.tables.scans import LabelledScan
 
 SIMULATED = "simulated"
-OBJECTS, SEED = 100, 0
+SEED = 0
 FIGURES = (".png", ".svg", ".pdf")
 DESCRIPTION = """
 Estimate observation tables from scans of the simulated cell, or from a folder of recorded scans
@@ -48,7 +49,10 @@ def add_parser(subparsers: Subparsers) -> None:
         "--record", type=Path, metavar="FOLDER", help=f"record the scans of `{SIMULATED}` here, 7 MB each"
     )
     parser.add_argument(
-        "--objects", type=int, metavar="N", help=f"objects per row of `{SIMULATED}` (default: {OBJECTS})"
+        "--objects",
+        type=int,
+        metavar="N",
+        help=f"objects per row of `{SIMULATED}` (default: {TABLE_OBJECTS})",
     )
     parser.add_argument("--seed", type=int, metavar="N", help=f"seed of `{SIMULATED}` (default: {SEED})")
     parser.add_argument(
@@ -116,7 +120,7 @@ def labelled_scans(arguments: Namespace) -> "tuple[list[str], list[str], list[La
 
         check_recorded(arguments)
         return from_recording(read_recording(Path(arguments.cell)), classifier(arguments), arguments)
-    objects = OBJECTS if arguments.objects is None else arguments.objects
+    objects = TABLE_OBJECTS if arguments.objects is None else arguments.objects
     seed = SEED if arguments.seed is None else arguments.seed
     if arguments.record is None:
         return from_simulation(classifier(arguments), arguments, objects, seed)

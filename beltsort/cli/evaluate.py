@@ -4,6 +4,7 @@ from argparse import Namespace
 
 from beltsort import ArgumentError, Despot, Evaluation, InformationGain, Policy, SortingModel, Threshold
 from beltsort import evaluate as simulate
+from beltsort._core import DEFAULT_INFORMATION_POSITIONS
 from beltsort.cli.arguments import (
     Subparsers,
     add_budget,
@@ -34,7 +35,8 @@ def add_parser(subparsers: Subparsers) -> None:
         "--positions-counted",
         type=int,
         metavar="N",
-        help="positions over which information is summed (information-gain; default: 1)",
+        help="positions over which information is summed (information-gain; default: "
+        f"{DEFAULT_INFORMATION_POSITIONS})",
     )
     add_budget(parser)
     add_simulation(parser)
@@ -65,8 +67,10 @@ def make_policy(arguments: Namespace, model: SortingModel) -> Policy:
         raise ArgumentError(f"--policy {arguments.policy} needs --threshold, 0.94 for example")
     if arguments.policy == "threshold":
         return Threshold(model, arguments.threshold)
-    counted = 1 if arguments.positions_counted is None else arguments.positions_counted
-    return InformationGain(model, arguments.threshold, counted)
+    counted = arguments.positions_counted
+    return InformationGain(
+        model, arguments.threshold, DEFAULT_INFORMATION_POSITIONS if counted is None else counted
+    )
 
 
 def show_json(arguments: Namespace, result: Evaluation) -> None:

@@ -2,12 +2,13 @@
 
 from argparse import Namespace
 
+from beltsort._core import DEFAULT_TREE_DEPTH
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.entry_text import EntryFormatter
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
 from beltsort.planning.explanation import action_in_words, explain, tree_in_names
-from beltsort.sorting.audit import Step, befell, entries_of, step_of
+from beltsort.sorting.audit import Step, entries_of, incidents_of, step_of
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -20,7 +21,11 @@ def add_parser(subparsers: Subparsers) -> None:
     add_run(parser)
     parser.add_argument("--step", type=int, required=True, metavar="N", help="planner step, from 1")
     parser.add_argument(
-        "--depth", type=int, default=2, metavar="D", help="planner steps to explain (default: 2)"
+        "--depth",
+        type=int,
+        default=DEFAULT_TREE_DEPTH,
+        metavar="D",
+        help="planner steps to explain (default: %(default)s)",
     )
     add_json(parser)
     parser.set_defaults(run=run)
@@ -30,7 +35,7 @@ def run(arguments: Namespace) -> int:
     """Find the step, plan again from its belief, and print."""
     entries = entries_of(arguments.folder)
     step = step_of(entries, arguments.step)
-    failures = list(befell(entries, step))
+    failures = list(incidents_of(entries, step))
     if arguments.json:
         during = [{"kind": entry.kind, **entry.data} for entry in failures]
         print_json(as_json(step, arguments.depth) | {"befell": during})

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from beltsort import ArgumentError, Belief, Despot, Plan, Solution, SortingModel
+from beltsort._core import DEFAULT_SCENARIOS, DEFAULT_TREE_DEPTH
 from beltsort.cli.arguments import (
     Subparsers,
     add_budget,
@@ -45,7 +46,11 @@ def add_parser(subparsers: Subparsers) -> None:
     )
     add_budget(parser)
     parser.add_argument(
-        "--scenarios", type=int, default=500, metavar="N", help="number of scenarios (default: 500)"
+        "--scenarios",
+        type=int,
+        default=DEFAULT_SCENARIOS,
+        metavar="N",
+        help="number of scenarios (default: %(default)s)",
     )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the scenarios (default: 0)")
     parser.add_argument(
@@ -58,7 +63,11 @@ def add_parser(subparsers: Subparsers) -> None:
         "--explain", action="store_true", help="print why the action was chosen, and the likely next steps"
     )
     parser.add_argument(
-        "--depth", type=int, default=2, metavar="D", help="planner steps that --explain covers (default: 2)"
+        "--depth",
+        type=int,
+        default=DEFAULT_TREE_DEPTH,
+        metavar="D",
+        help="planner steps that --explain covers (default: %(default)s)",
     )
     add_json(parser)
     parser.set_defaults(run=run)

@@ -8,6 +8,7 @@ from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table
 from beltsort.cli.progress import tenths
+from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 
 if TYPE_CHECKING:
     from beltsort.sim.prepare import Recipe
@@ -45,13 +46,13 @@ def add_objects(parser: ArgumentParser) -> None:
         "--objects-per-row",
         type=int,
         metavar="N",
-        help="independent objects per row of the observation tables (default: 100)",
+        help=f"independent objects per row of the observation tables (default: {TABLE_OBJECTS})",
     )
     parser.add_argument(
         "--training-objects",
         type=int,
         metavar="N",
-        help="training objects per class, viewpoint and position (default: 40)",
+        help=f"training objects per class, viewpoint and position (default: {TRAINING_OBJECTS})",
     )
 
 

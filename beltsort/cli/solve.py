@@ -5,6 +5,7 @@ from pathlib import Path
 from time import monotonic
 
 from beltsort import solve
+from beltsort._core import DEFAULT_SOLVE_SECONDS
 from beltsort.cli.arguments import Subparsers, add_json, add_model, check_writable, load_model
 from beltsort.cli.output import print_json, print_status
 
@@ -21,7 +22,11 @@ def add_parser(subparsers: Subparsers) -> None:
     )
     add_model(parser)
     parser.add_argument(
-        "--seconds", type=float, default=60.0, metavar="S", help="time to spend (default: 60)"
+        "--seconds",
+        type=float,
+        default=DEFAULT_SOLVE_SECONDS,
+        metavar="S",
+        help=f"time to spend (default: {DEFAULT_SOLVE_SECONDS:g})",
     )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="save the solution, for `beltsort.Solution.load`"

@@ -14,10 +14,11 @@ from beltsort.perception.distances import DISTANCES
 from beltsort.perception.leave_one_out import PERCENTILE, leave_one_out, rejection_threshold, with_rejection
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.training import Trained, train_from_clouds
+from beltsort.sim.config import TRAINING_OBJECTS
 from beltsort.util.text import numbers_or_none
 
 AUTOMATIC = "auto"
-OBJECTS, SEED = 40, 0
+SEED = 0
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -44,7 +45,7 @@ def add_parser(subparsers: Subparsers) -> None:
         "--objects",
         type=int,
         metavar="N",
-        help=f"with --meshes: objects per mesh, viewpoint and position (default: {OBJECTS})",
+        help=f"with --meshes: objects per mesh, viewpoint and position (default: {TRAINING_OBJECTS})",
     )
     parser.add_argument(
         "--seed", type=int, metavar="N", help=f"with --meshes: seed of the scans (default: {SEED})"
@@ -127,7 +128,7 @@ def _trained(arguments: Namespace) -> Trained:
 
     return train_from_meshes(
         arguments.folder,
-        objects=OBJECTS if arguments.objects is None else arguments.objects,
+        objects=TRAINING_OBJECTS if arguments.objects is None else arguments.objects,
         seed=SEED if arguments.seed is None else arguments.seed,
         progress=tenths("scans"),
         **settings,

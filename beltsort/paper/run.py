@@ -1,4 +1,4 @@
-"""All experiments, one after the other; finished points are kept, so that an interrupted run resumes."""
+"""Execution of all experiments in order; finished points are stored, so that an interrupted run resumes."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -25,18 +25,19 @@ Task = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """The rows of all experiments, with one number per batch.
+    """The rows of all experiments; outcomes have one number per batch.
 
     Attributes
     ----------
     cell
-        The simulated cell whose tables were used.
+        The simulated cell whose tables and classifier were used.
     labels, scans, beyond
-        Rows of the experiments with labels from tables, with depth scans, and of the further studies.
+        Rows of the experiments with labels drawn from tables, of those with depth scans, and of the studies
+        that go beyond the paper's.
     optimum
-        Bounds and losses; see `bound_optimum`.
+        Bounds of the optimal value and losses of policies; see `bound_optimum`.
     seconds
-        Time that each stage took in this run.
+        Duration of each stage in this run, seconds.
     """
 
     cell: PreparedCell
@@ -48,21 +49,21 @@ class Results:
 
     @property
     def optimum_play(self) -> list[Row]:
-        """Rows of acting by the offline solutions."""
+        """Rows of batches played with the offline solutions as policies."""
         return [row for solved in self.optimum for row in solved["rows"]]
 
     @property
     def rows(self) -> list[Row]:
-        """All rows of the paper's own experiments, the optimum's included."""
+        """All rows of the paper's own experiments, those of the offline solutions included."""
         return [*self.labels, *self.scans, *self.optimum_play]
 
     def claims(self) -> list[ClaimResult]:
-        """Return whether the claims hold."""
+        """Return, for each claim of the paper, whether the results support it."""
         return all_claims(self.rows, self.beyond, self.optimum)
 
 
 def cell_of(prepared: Prepared, folder: Path) -> PreparedCell:
-    """Return the default simulated cell as trained; its classifier is written to a folder."""
+    """Return the default simulated cell with its trained classifier, which is written to a folder."""
     config = CellConfig()
     names = [viewpoint.name for viewpoint in config.viewpoints]
     note = "simulated cell: says what the simulator was set to"
@@ -79,17 +80,17 @@ def run_experiments(
     workers: int | None = None,
     stage: StageProgress | None = None,
 ) -> Results:
-    """Run the experiments of a design, except for points whose rows are in the folder already.
+    """Run the experiments of a design, except points whose rows are already in the folder.
 
-    The same seed gives the same rows whatever the number of processes; only the optimum's depend on the
-    machine's speed. As with `prepare`, a script calls this under `if __name__ == "__main__":`.
+    The same seed gives the same rows for any number of processes, except for the optimum, whose rows depend
+    on the machine's speed. As with `prepare`, a script must call this under `if __name__ == "__main__":`.
 
     Parameters
     ----------
     cell
-        See `cell_of`.
+        The simulated cell, from `cell_of`.
     folder
-        Where finished points are kept.
+        Folder in which finished points are stored.
     design
         `FULL`, `QUICK`, or your own.
     seed
@@ -97,7 +98,8 @@ def run_experiments(
     workers
         Processes; default one for each core.
     stage
-        Called with a stage's name; returns a function that takes the number of points done and in all.
+        Called with the name of each stage; returns a function that is called with the number of points done
+        and the total number.
 
     Raises
     ------

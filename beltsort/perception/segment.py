@@ -1,4 +1,4 @@
-"""From a scan to one cleaned cloud per belt position."""
+"""Segmentation of a scan: one cleaned cloud for each belt position."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,17 +16,17 @@ from beltsort.perception.finding import Finding
 from beltsort.perception.level import levelled
 from beltsort.perception.visibility import crossings, image_border, share_seen, within_gap
 
-MOST_POINTS = 4_000_000  # more than a depth camera's; beyond, evenly thinned, so that memory is bounded
+MOST_POINTS = 4_000_000  # more than a depth camera returns; larger scans are thinned to bound memory
 PLAUSIBLE_DISTANCES = (0.02, 20.0)  # metres from the camera
-SAMPLES = 1000
+SAMPLES = 1000  # points from which the median distance is computed
 
 
 class DepthScan(Protocol):
-    """What segmentation reads of a scan."""
+    """A scan as segmentation needs it."""
 
     @property
     def points(self) -> Points:
-        """Camera frame, metres, shape (height, width, 3) or (n, 3); NaN where nothing returned."""
+        """Points in the camera frame, metres, shape (height, width, 3) or (n, 3); NaN where there is none."""
 
     @property
     def world_from_camera(self) -> Pose:
@@ -35,17 +35,17 @@ class DepthScan(Protocol):
 
 @dataclass(frozen=True)
 class Segmented:
-    """What a scan shows of each belt position.
+    """The result of segmentation.
 
     Attributes
     ----------
     candidates
-        For each position the points above the rim, shape (n, 3), world frame, metres, or None where none
-        were found.
+        For each position the cleaned points above the rim, shape (n, 3), world frame, metres, or None if
+        there are none.
     findings
         For each position what was found, or why nothing was.
     camera
-        The camera's position after correction by the seen belt, shape (3,), world frame, metres.
+        The camera's position, corrected with the plane of the visible belt, shape (3,), world frame, metres.
     """
 
     candidates: tuple[Points | None, ...]
@@ -54,7 +54,7 @@ class Segmented:
 
     @property
     def objects(self) -> tuple[Points | None, ...]:
-        """The candidates worth a label, None elsewhere."""
+        """The candidates that are classified: those with the finding `OBJECT`, None elsewhere."""
         return tuple(
             points if finding is Finding.OBJECT else None
             for points, finding in zip(self.candidates, self.findings, strict=True)
@@ -62,31 +62,32 @@ class Segmented:
 
 
 def segment(scan: DepthScan, layout: BeltLayout, config: PerceptionConfig | None = None) -> Segmented:
-    """Cut a scan into one candidate per belt position.
+    """Extract one candidate for each belt position from a scan.
 
-    Scan -> world frame corrected by the seen belt -> upright cylinder above each rim -> voxels -> no outliers
-    -> main clusters. The same scan always gives the same result. Of more than `MOST_POINTS` points an evenly
-    spaced part is used.
+    The points are transformed to the world frame, with the camera's pose corrected by the plane of the
+    visible belt. The points in the upright cylinder above each cup are averaged in voxels, outliers are
+    removed, and the main clusters kept. The result is deterministic. Of more than `MOST_POINTS` points, an
+    evenly spaced subset is used.
 
     Parameters
     ----------
     scan
-        Points in the camera frame, metres, and the camera's pose. Only an organised image, shape (height,
-        width, 3), can tell that an object is cut off at its edge.
+        Points in the camera frame, metres, and the camera's pose. Objects that are cut off at the edge of the
+        image are detected only in an organised one, shape (height, width, 3).
     layout
-        Where the objects stand.
+        Positions and sizes of the cups.
     config
         Settings; default `PerceptionConfig()`.
 
     Raises
     ------
     CloudError
-        If the scan has another shape, its pose is not finite, or no point of it is.
+        If the points have another shape, or none of them or not all of the pose is finite.
 
     Warns
     -----
     UnitWarning
-        If points or camera lie at distances that no robot cell has in metres.
+        If the distances of points or camera are implausible in metres.
     """
     view = View.of(scan, layout, config or PerceptionConfig())
     positions = range(layout.positions)
@@ -98,7 +99,7 @@ def segment(scan: DepthScan, layout: BeltLayout, config: PerceptionConfig | None
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A scan whose camera pose is corrected by the belt that it shows.
+    """A scan with corrected camera pose, and the quantities computed from it for all positions.
 
     Attributes
     ----------
@@ -107,7 +108,9 @@ class View:
     points
         All points, shape (n, 3), camera frame, metres.
     world_from_camera
-        The camera's pose, corrected by the seen belt, shape (4, 4).
+        The camera's pose, corrected with the plane of the visible belt, shape (4, 4).
+    layout, config
+        As in `segment`.
     """
 
     border: Points
@@ -118,7 +121,7 @@ class View:
 
     @classmethod
     def of(cls, scan: DepthScan, layout: BeltLayout, config: PerceptionConfig) -> "View":
-        """Check a scan and correct its pose; raises what `segment` does."""
+        """Check a scan and correct its pose. Raises the errors of `segment`."""
         image = _checked(scan)
         points = image.reshape(-1, 3)
         points = points[:: 1 + len(points) // MOST_POINTS]
@@ -132,7 +135,7 @@ class View:
 
     @cached_property
     def height(self) -> NDArray[np.float64]:
-        """Height of each point above the belt, shape (n,), metres; not finite where it has none."""
+        """Height of each point above the belt, shape (n,), metres; not finite for points that are not."""
         height = _heights(self.points, self.world_from_camera)
         if not np.isfinite(height).any():
             raise CloudError(
@@ -142,12 +145,12 @@ class View:
 
     @cached_property
     def above(self) -> Points:
-        """The finite points between rim and top of the crop, shape (n, 3), world frame."""
+        """The points between the rims and the top of the crop, shape (n, 3), world frame."""
         return self._above_rims(self.points, self.height)
 
     @cached_property
     def passed(self) -> Points:
-        """Where lines of sight to cups and belt cross the height of the rims, shape (m, 2), world frame."""
+        """Points where lines of sight to cups and belt cross the rims' height, shape (m, 2), world frame."""
         return crossings(self.points, self.height, self.world_from_camera, self.base)
 
     def cropped(self, position: int) -> Points:
@@ -162,7 +165,7 @@ class View:
         return main_clusters(without_outliers(voxels, self.config), self.config)
 
     def finding(self, position: int, candidate: Points) -> Finding:
-        """Return what a scan shows of one position, given its candidate, shape (n, 3)."""
+        """Return the finding for one position, given its candidate, shape (n, 3)."""
         if len(candidate) == 0:
             centre = self.layout.centre(position)[:2]
             seen = share_seen(self.passed, centre, self.layout.rim_radius)
@@ -193,6 +196,7 @@ class View:
 
 
 def _checked(scan: DepthScan) -> Points:
+    """Return the points of a scan, after checking their shape, the pose, and that lengths may be metres."""
     points: Points = as_array("the scan's points", scan.points, CloudError)
     pose = as_array("world_from_camera", scan.world_from_camera, CloudError)
     if points.ndim not in (2, 3) or points.shape[-1] != 3:
@@ -214,8 +218,9 @@ def _checked(scan: DepthScan) -> Points:
 
 
 def _heights(points: Points, world_from_camera: Pose) -> NDArray[np.float64]:
+    """Return the z coordinates of points in the world frame, shape (n,)."""
     with np.errstate(invalid="ignore"):
-        # Not `@`: threads of BLAS cost more than they gain where other threads are busy.
+        # Not `@`: BLAS would start threads, which slow the rest down when all cores are busy.
         height: NDArray[np.float64] = np.einsum("ij,j->i", points, world_from_camera[2, :3])
     height += world_from_camera[2, 3]
     return height

@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beltsort._core import ArgumentError, Evaluation, Solution, SortingModel, evaluate
+from beltsort._core import (
+    DEFAULT_BATCH_SIZE,
+    DEFAULT_BATCHES,
+    DEFAULT_MAX_LOOKS,
+    ArgumentError,
+    Evaluation,
+    Solution,
+    SortingModel,
+    evaluate,
+)
 from beltsort.planning.loss_bound import LossBound, loss_bound, loss_bounds_table
 from beltsort.planning.policy import Policy
 from beltsort.util.text import numbers_or_none, text_table
@@ -172,14 +181,14 @@ def compare(
     model: SortingModel,
     policies: Mapping[str, Policy],
     *,
-    batches: int = 1000,
-    batch_size: int = 10,
+    batches: int = DEFAULT_BATCHES,
+    batch_size: int = DEFAULT_BATCH_SIZE,
     seed: int = 0,
     threads: int | None = None,
     viewpoint: int = 0,
     true_classes: ArrayLike | None = None,
     truth: SortingModel | None = None,
-    max_looks: int = 60,
+    max_looks: int = DEFAULT_MAX_LOOKS,
     reference: Solution | None = None,
     belt_ends: bool = False,
     baseline: str | None = None,

@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from beltsort._core import Decide, Move, Plan, SortingModel
+from beltsort._core import DEFAULT_TREE_DEPTH, Decide, Move, Plan, SortingModel
 from beltsort.planning.plan_tree import NamedAction, TreeAction, TreeBranch, TreeNode
 
 BRANCHES = 4  # most likely branches of an action that get a line each
 NEGLIGIBLE = 0.005  # probability below which the remaining branches get no line
 
 
-def explain(model: SortingModel, plan: Plan, depth: int = 2) -> str:
+def explain(model: SortingModel, plan: Plan, depth: int = DEFAULT_TREE_DEPTH) -> str:
     """Explain why the plan's action was chosen, and what is likely to follow it.
 
     Parameters

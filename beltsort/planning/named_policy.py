@@ -5,6 +5,9 @@ from collections.abc import Callable
 from typing import Any
 
 from beltsort._core import (
+    DEFAULT_INFORMATION_POSITIONS,
+    DEFAULT_LOOK_AHEAD_DEPTH,
+    DEFAULT_SOLVE_SECONDS,
     ArgumentError,
     Despot,
     InformationGain,
@@ -18,11 +21,13 @@ from beltsort._core import (
 from beltsort.planning.policy import Policy
 
 DEFAULT_TRIALS = 300  # one or two milliseconds per plan on the paper's model
+DEFAULT_LAMBDA = 0.1  # regularisation of DESPOT as published
 HELP = (
     f"despot[:TRIALS] (default {DEFAULT_TRIALS}), despot:SECONDSs (despot:0.01s), "
-    "despot-scenarios[:BUDGET[:LAMBDA]] (as published; default lambda 0.1), look-ahead[:DEPTH] (default 1), "
-    "threshold:T, information-gain:T[:POSITIONS], one-object, solution[:SECONDSs] (default 60s), "
-    "solution:FILE (written by `beltsort solve`)"
+    f"despot-scenarios[:BUDGET[:LAMBDA]] (as published; default lambda {DEFAULT_LAMBDA}), "
+    f"look-ahead[:DEPTH] (default {DEFAULT_LOOK_AHEAD_DEPTH}), threshold:T, "
+    f"information-gain:T[:POSITIONS] (default {DEFAULT_INFORMATION_POSITIONS}), one-object, "
+    f"solution[:SECONDSs] (default {DEFAULT_SOLVE_SECONDS:g}s), solution:FILE (written by `beltsort solve`)"
 )
 
 
@@ -59,7 +64,7 @@ def _despot(model: SortingModel, budget: str = str(DEFAULT_TRIALS), **settings: 
 
 
 def _solution(model: SortingModel, *source: str) -> Policy:
-    time_or_file = ":".join(source) or "60s"
+    time_or_file = ":".join(source) or f"{DEFAULT_SOLVE_SECONDS}s"
     if re.fullmatch(r"[\d.]+s?", time_or_file):
         return solve(model, seconds=_seconds(time_or_file))
     return Solution.load(time_or_file, model)
@@ -72,7 +77,10 @@ def _seconds(text: str) -> float:
 
 
 def _despot_as_published(
-    model: SortingModel, budget: str = str(DEFAULT_TRIALS), regularization: str = "0.1", **settings: Any
+    model: SortingModel,
+    budget: str = str(DEFAULT_TRIALS),
+    regularization: str = str(DEFAULT_LAMBDA),
+    **settings: Any,
 ) -> Policy:
     return _despot(model, budget, variant="scenarios", regularization=float(regularization), **settings)
 
@@ -80,9 +88,9 @@ def _despot_as_published(
 KINDS: dict[str, Callable[..., Policy]] = {
     "despot": _despot,
     "despot-scenarios": _despot_as_published,
-    "look-ahead": lambda model, depth="1": LookAhead(model, int(depth)),
+    "look-ahead": lambda model, depth=DEFAULT_LOOK_AHEAD_DEPTH: LookAhead(model, int(depth)),
     "threshold": lambda model, threshold: Threshold(model, float(threshold)),
-    "information-gain": lambda model, threshold, positions="1": InformationGain(
+    "information-gain": lambda model, threshold, positions=DEFAULT_INFORMATION_POSITIONS: InformationGain(
         model, float(threshold), int(positions)
     ),
     "one-object": OneObject,

@@ -1,24 +1,25 @@
-"""Train a classifier on simulated cells, and label scans of them: see `beltsort.sim.rounds`."""
+"""A classifier and labelled scans from the simulated cell; `beltsort.sim.rounds` describes the scenes."""
 
 from functools import partial
 
 from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig, describe, segment
 from beltsort.perception.vfh import Histogram
 from beltsort.sim import CellConfig
+from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.sim.rounds import TABLE_STREAM, TRAINING_STREAM, Round, rounds_of
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.log import LabelLog, Labels, label_missing
 from beltsort.tables.scans import LabelledScan, looks
 from beltsort.util.processes import Progress, in_processes
 
-SCANS = 2  # scans of every scene for the tables
+SCANS = 2  # scans of each scene for the tables, from one viewpoint
 
 
 def collect_training(
     config: CellConfig | None = None,
     perception: PerceptionConfig | None = None,
     *,
-    objects: int = 40,
+    objects: int = TRAINING_OBJECTS,
     seed: int = 0,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -33,8 +34,8 @@ def collect_training(
     config, perception
         Configuration of the cell, and settings of perception.
     objects
-        Objects of each class at each viewpoint and position. With too few, rare poses have no neighbour; the
-        time is proportional to it.
+        Objects of each class at each viewpoint and position. With too few, rare poses have no similar entry;
+        the time is proportional to the number.
     seed
         Seed, at least 0. `collect_counts` with the same seed uses other objects.
     workers
@@ -46,7 +47,7 @@ def collect_training(
     Returns
     -------
     NearestNeighbour
-        Up to K * H * L * `objects` descriptors; objects that perception does not find are left out.
+        Up to K * H * L * `objects` descriptors; objects that perception does not find are omitted.
 
     Raises
     ------
@@ -58,14 +59,14 @@ def collect_training(
     config, perception = config or CellConfig(), perception or PerceptionConfig()
     rounds = rounds_of(TRAINING_STREAM, seed, config, objects)
     described = in_processes(partial(_described, config, perception), rounds, workers, progress)
-    rows = [row for part in described for row in part]
+    found = [pair for of_round in described for pair in of_round]
     return NearestNeighbour.train(
-        [descriptor for _, descriptor in rows], [label for label, _ in rows], config.classes, perception
+        [descriptor for _, descriptor in found], [label for label, _ in found], config.classes, perception
     )
 
 
 def _described(config: CellConfig, perception: PerceptionConfig, work: Round) -> list[tuple[int, Histogram]]:
-    """Return true class and descriptor of every object of a round that perception finds."""
+    """Return class and descriptor of each object of a round that perception finds."""
     found = []
     for true, (scan,) in work.scenes(config, scans=1):
         segmented = segment(scan, config.layout, perception)
@@ -79,7 +80,7 @@ def collect_counts(
     database: NearestNeighbour,
     config: CellConfig | None = None,
     *,
-    objects: int = 100,
+    objects: int = TABLE_OBJECTS,
     seed: int = 0,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -91,12 +92,12 @@ def collect_counts(
     Parameters
     ----------
     database
-        The classifier, with the perception settings that it was trained with.
+        The classifier, with the settings of perception with which it was trained.
     config
         Configuration of the cell.
     objects
-        Objects in each row (position, viewpoint, true class), each scanned twice. An entry p has the standard
-        error sqrt(p (1 - p) / objects).
+        Objects in each row (position, viewpoint, true class), each scanned twice. The standard error of an
+        entry p is sqrt(p (1 - p) / objects).
     seed, workers, progress
         As in `collect_training`.
 
@@ -116,7 +117,7 @@ def collect_scans(
     database: NearestNeighbour,
     config: CellConfig | None = None,
     *,
-    objects: int = 100,
+    objects: int = TABLE_OBJECTS,
     seed: int = 0,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -129,7 +130,7 @@ def collect_scans(
     database, config, objects, seed, workers, progress
         As in `collect_counts`.
     log
-        Log to which the labels of every round are written; scans that are in it are not labelled again.
+        Log to which the labels of each round are written; scans that are in it are not labelled again.
 
     Raises
     ------
@@ -154,9 +155,9 @@ def collect_scans(
 
 
 def _labelled(config: CellConfig, database: NearestNeighbour, work: Round) -> Labels:
-    """Return the labels of every scan of a round, two of each scene."""
+    """Return the labels of all scans of a round by the scan's name, `SCANS` of each scene."""
     perceive = Perception(config.layout, database)
-    scans = (scan for _, both in work.scenes(config, SCANS) for scan in both)
+    scans = (scan for _, of_scene in work.scenes(config, SCANS) for scan in of_scene)
     return {
         name: tuple(seen.label for seen in perceive(scan))
         for name, scan in zip(work.scan_names(config, SCANS), scans, strict=True)
@@ -164,7 +165,7 @@ def _labelled(config: CellConfig, database: NearestNeighbour, work: Round) -> La
 
 
 def _with_truth(work: Round, config: CellConfig, known: Labels) -> list[LabelledScan]:
-    """Return the labelled scans of a round."""
+    """Return the scans of a round with their labels and the true classes."""
     names = iter(work.scan_names(config, SCANS))
     return [
         LabelledScan(

@@ -11,6 +11,12 @@ from beltsort.sim.bulbs import CLASSES
 from beltsort.sim.rotations import rotation
 from beltsort.sim.sensor import Camera, SensorNoise
 
+TRAINING_OBJECTS = 40
+"""Objects that a classifier is trained on, unless said otherwise, per class, viewpoint and position."""
+
+TABLE_OBJECTS = 100
+"""Independent objects, unless said otherwise, per row of the observation tables."""
+
 
 @dataclass(frozen=True)
 class Cup:

@@ -10,6 +10,7 @@ from beltsort.perception.folders import Skipped, class_folder, expect_two_classe
 from beltsort.perception.training import Trained
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_training
+from beltsort.sim.config import TRAINING_OBJECTS
 from beltsort.util.processes import Progress
 
 UNSEEN = "no scan shows enough of it above the rim of its cup: give a larger mesh, in metres"
@@ -20,7 +21,7 @@ def train_from_meshes(
     folder: str | PathLike[str],
     perception: PerceptionConfig | None = None,
     *,
-    objects: int = 40,
+    objects: int = TRAINING_OBJECTS,
     seed: int = 0,
     workers: int | None = None,
     distance: str = "chi2",

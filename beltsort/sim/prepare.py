@@ -21,6 +21,7 @@ from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_scans, collect_training
+from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.scans import LabelledScan, looks
 from beltsort.util.processes import Progress, at_least_one
@@ -33,7 +34,6 @@ the packaged files with `beltsort prepare -o beltsort/models/simulated_cell`.
 """
 
 SEED = 2019  # seed of training and tables, independent of a run's seed, since all runs share the stored ones
-TRAINING_OBJECTS, TABLE_OBJECTS = 40, 100
 PACKAGED = files("beltsort.models") / "simulated_cell"
 CLASSIFIER, SCANS, ABOUT = "classifier.npz", "scans.npz", "about.json"
 

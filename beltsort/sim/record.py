@@ -14,6 +14,7 @@ from beltsort.errors import RecordingError
 from beltsort.geometry import Points
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import SCANS
+from beltsort.sim.config import TABLE_OBJECTS
 from beltsort.sim.rounds import TABLE_STREAM, Round, rounds_of
 from beltsort.tables.recording import (
     HEADER,
@@ -97,7 +98,7 @@ def record_simulated(
     folder: Path,
     config: CellConfig | None = None,
     *,
-    objects: int = 100,
+    objects: int = TABLE_OBJECTS,
     seed: int = 0,
     workers: int | None = None,
     progress: Progress | None = None,

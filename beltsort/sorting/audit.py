@@ -1,4 +1,4 @@
-"""Looking back at a run: its steps, and why each was taken."""
+"""Inspection of a run: its steps, and why each was taken."""
 
 import csv
 import json
@@ -29,18 +29,18 @@ COLUMNS = ("number", "time", "kind", "object", "data")
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """A planner step, as it was decided on.
+    """A planner step, with the state in which its action was chosen.
 
     Attributes
     ----------
     number
         Counts from 1.
     entry
-        Of the plan, or of a decision that a rule forced.
+        The entry of the plan, or of a decision that a rule forced.
     choice
-        What that entry tells.
+        The content of that entry.
     belief, viewpoint
-        What was known then, and where the camera stood.
+        Belief and viewpoint at that time.
     planner
         Settings of the planner; None for another policy.
     alarms
@@ -57,12 +57,12 @@ class Step:
 
     @property
     def model(self) -> SortingModel:
-        """The model planned with."""
+        """The model of the belief."""
         return self.belief.model
 
     @property
     def action(self) -> Move | Decide:
-        """What was chosen."""
+        """The action chosen."""
         if isinstance(self.choice, Decided):
             return Decide(self.belief.most_likely(0)[0])
         action = self.choice.action
@@ -80,14 +80,14 @@ class Step:
                 return None
 
     def plan_again(self) -> Plan | None:
-        """Return the plan, made once more; None if no planner made it.
+        """Plan again from the same belief and return the plan; None if `Despot` did not choose the action.
 
-        The same plan if the budget was one of trials. With a budget of time the trials that it had are done
-        again, in which the search may have taken another path.
+        The plan is the same if the budget was in trials. After a time budget the same number of trials is
+        made, and the search may take another path.
         """
         if not isinstance(self.choice, Planned) or self.planner is None:
             return None
-        trials = max(1, self.choice.trials)  # none where the root alone settled it
+        trials = max(1, self.choice.trials)  # 0 if the root alone was decisive
         settings = {**self.planner, "seconds": None, "trials": trials}
         return Despot(self.model, **settings).plan(self.belief, self.viewpoint)
 
@@ -98,7 +98,7 @@ def entries_of(run: Path) -> list[Entry]:
     Parameters
     ----------
     run
-        Its folder, or its journal.
+        The folder of the run, or its journal.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def steps_of(entries: Sequence[Entry]) -> Iterator[Step]:
     Parameters
     ----------
     entries
-        From the start, or from a snapshot; then steps are counted from the run's start all the same.
+        The entries, from the start of the run or a snapshot; steps count from the start in both cases.
     """
     progress = Progress.at_start(model_of(entries))
     planner: dict[str, Any] | None = None
@@ -134,7 +134,7 @@ def by_rule(choice: AnyContent) -> TypeGuard[Decided]:
 
 
 def step_of(entries: Sequence[Entry], number: int) -> Step:
-    """Return one planner step; the last plan of it, if a run that was killed made it twice.
+    """Return one planner step; if it was planned twice, because the run was killed in between, the second.
 
     Raises
     ------
@@ -147,13 +147,13 @@ def step_of(entries: Sequence[Entry], number: int) -> Step:
         if step.number == number:
             found = step
     if found is None:
-        known = "of no step" if first is None else f"of steps {first} to {last}"
-        raise JournalError(f"there is no step {number}; the journal tells {known}")
+        known = "no steps" if first is None else f"steps {first} to {last}"
+        raise JournalError(f"there is no step {number}; the journal has {known}")
     return found
 
 
-def befell(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:
-    """Yield what went otherwise than planned while a step was carried out."""
+def incidents_of(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:
+    """Yield the entries of a step about unusable or misplaced scans and drift alarms."""
     for entry in entries:
         if entry.number > step.entry.number:
             if isinstance(entry.content, Planned | Chosen):

@@ -1,4 +1,4 @@
-"""Choosing: what a rule says, or else the policy, and writing down why."""
+"""Choice of the next action, by the loop's rules or else by the policy."""
 
 from beltsort._core import Decide, Despot, Move, PolicyError
 from beltsort.cell import Cell
@@ -10,24 +10,24 @@ from beltsort.sorting.record import Record
 from beltsort.sorting.rules import Rules
 
 LATE = 1.2
-"""A plan that took so many times its budget of time is marked in the journal; it is the best one so far."""
+"""The journal marks a plan as late if it took more than this multiple of its time budget."""
 
 
 class Chooser:
-    """Chooses the next action and has it done, or writes down the decision.
+    """Chooses the next action, journals it, and issues the command of a move.
 
     Parameters
     ----------
     cell
-        Whether it has a bin for undecided objects.
+        The cell; undecided objects go to its reject bin, if it has one.
     policy
-        Names the next action where no rule does.
+        Chooses the action unless a rule does.
     record
         Writes an entry and applies it to the run's progress.
     rules
         Limits.
     commander
-        Carries out moves.
+        Sends the commands of moves.
     """
 
     def __init__(
@@ -38,14 +38,14 @@ class Chooser:
         self._progress, self._model = record.progress, record.progress.model
 
     def choose(self) -> None:
-        """Skip an empty cup, decide where a rule says so, or do what the policy names.
+        """Skip an empty cup, apply the rule that ends the looks at an object, or follow the policy.
 
         Raises
         ------
         PolicyError
-            If the policy names what the model does not allow.
+            If the model does not allow the action that the policy returns.
         BeltsortError
-            As `Commander.issue`, and whatever the policy raises.
+            As `Commander.issue`, and any error of the policy.
         """
         belt_end, (most_likely, _) = self._progress.visible[0], self._progress.belief.most_likely(0)
         legal = self._model.travel[self._progress.viewpoint]
@@ -53,7 +53,7 @@ class Chooser:
         if no_class_for_empty and belt_end.known_empty(self._rules, legal):
             self._record(Skipped(belt_end.empty, decided=False))
         elif no_class_for_empty and belt_end.empty and legal:
-            # From a viewpoint not tried yet, if possible.
+            # Untried viewpoints first.
             move = Move(min(legal, key=lambda viewpoint: (viewpoint in belt_end.empty, viewpoint)))
             self._record(Chosen(_plain(move), why="the belt end was seen empty: look again"))
             self._commander.issue(MoveTo(move.viewpoint))
@@ -69,7 +69,7 @@ class Chooser:
                     self._decide(label)
 
     def _plan(self) -> Move | Decide:
-        """Ask the policy."""
+        """Return the policy's action, after journalling it."""
         belief, viewpoint = self._progress.belief, self._progress.viewpoint
         if not isinstance(self._policy, Despot):
             action = self._policy.act(belief.copy(), viewpoint)
@@ -91,7 +91,7 @@ class Chooser:
         return plan.action
 
     def _check_legal(self, action: object) -> None:
-        """Refuse what the model does not allow, before anything moves."""
+        """Raise a `PolicyError` if the model does not allow an action."""
         moves = [Move(viewpoint) for viewpoint in self._model.travel[self._progress.viewpoint]]
         legal = [*moves, *(Decide(label) for label in range(len(self._model.classes)))]
         if action not in legal:
@@ -100,7 +100,7 @@ class Chooser:
             )
 
     def _decide(self, label: int, forced: str | None = None) -> None:
-        """Write down where the object at the belt end goes; an empty cup goes nowhere."""
+        """Journal the decision about the object at the belt end, or that its cup is skipped as empty."""
         belt_end, rejected = self._progress.visible[0], self._cell.reject_bin if forced is not None else None
         if self._model.classes[label] == self._model.empty and rejected is None:
             self._record(Skipped(belt_end.empty, decided=True))
@@ -117,7 +117,7 @@ class Chooser:
 
 
 def _plain(action: Move | Decide) -> dict[str, int]:
-    """Return an action as entries keep it."""
+    """Return an action as plain data for the journal."""
     match action:
         case Move(viewpoint):
             return {"move": viewpoint}

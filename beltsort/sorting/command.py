@@ -1,4 +1,4 @@
-"""One attempt at having an actuator act."""
+"""Commands of a run, with an id for each attempt."""
 
 from dataclasses import dataclass, replace
 
@@ -7,20 +7,21 @@ from beltsort.cell.commands import Act
 
 @dataclass(frozen=True)
 class Command:
-    """One attempt at an act.
+    """One attempt to have a device do something.
 
     Attributes
     ----------
     id
-        Unique for the device, and for the attempt.
+        Unique for device and attempt.
     act
-        What is to be done.
+        The motion or sort to be done.
     boot_id
-        Of the device before it was sent.
+        The device's boot id before the command was sent.
     arriving
-        Whether it only brings the camera to where the planner takes it to be: no planner step, and no look.
+        Whether the command only returns the camera to the viewpoint at which the planner has it. That is no
+        planner step, and no scan follows.
     attempt
-        Counts from 1.
+        Number of the attempt, from 1.
     """
 
     id: str

@@ -1,9 +1,9 @@
-"""Carrying out commands: each once, whatever fails in between.
+"""Execution of commands, each exactly once in spite of failures.
 
-What became of a command that failed is asked of the device first. `STEPS` says what is then done; only what
-no device can tell is left to a person, and what a person says is honoured. The belt's position is compared
-with what it should be before every command and after every advance, so that nothing is dropped where it does
-not belong. docs/recovery.md shows the same as tables.
+After a failure, the device is first asked for the outcome of the command; `STEPS` defines what follows. An
+operator is asked only if the device does not know. The position of the belt is compared with the expected one
+before every command and after every advance, so that no object is sorted in place of another. The tables of
+docs/recovery.md show the same.
 """
 
 import time
@@ -45,9 +45,9 @@ Result = TypeVar("Result")
 
 
 class Step(Enum):
-    """What is done with a command that failed."""
+    """The reaction to a command that failed."""
 
-    RECORD = "written down as done"
+    RECORD = "recorded as done"
     WAIT = "sent again under its id, under which it never acts twice, to wait for its end"
     REPEAT = "sent again under a new id"
     ASK = "a person is asked whether it was done"
@@ -70,15 +70,15 @@ STEPS: dict[tuple[type[Act], Outcome], Step] = {
     (SortInto, Outcome.BROKEN_OFF): Step.ASK,
     (SortInto, Outcome.UNKNOWN): Step.ASK,
 }
-"""By act and what the device says became of it.
+"""The reaction by act and outcome.
 
-A move or an advance may be repeated whatever became of it, as its target is absolute: a device that stands
-there already answers at once, and says since when. A sort may not.
+The targets of moves and advances are absolute, so they may be repeated after any outcome: a device that is
+already there replies at once, with the time at which it stopped. A sort may not be repeated.
 """
 
 
 class Failure(NamedTuple):
-    """Why a command failed, what became of it (None: the device cannot be asked), and then why not."""
+    """The outcome of a failed command (None if the device cannot be asked, and why), and why it failed."""
 
     outcome: Outcome | None
     why: str
@@ -90,20 +90,20 @@ class Failure(NamedTuple):
 
 
 class Commander:
-    """Carries out the commands of a run.
+    """Executes the commands of a run.
 
     Parameters
     ----------
     cell
-        Arm, belt and sorter.
+        The cell; its arm, belt and sorter execute the commands.
     progress
-        Of the run.
+        State of the run.
     record
         Writes an entry and applies it to `progress`.
     rules
         Limits.
     operator
-        Asked where nothing else helps.
+        Asked when a run is held.
     """
 
     def __init__(
@@ -118,13 +118,13 @@ class Commander:
         self._rules, self._operator = rules, operator
 
     def issue(self, act: Act, *, arriving: bool = False) -> None:
-        """Carry out a new command; nothing, if it is learnt that the belt has passed objects.
+        """Execute a new command, unless the operator says that objects have passed the belt end.
 
         Raises
         ------
         HeldError
-            If it cannot be done, nobody can say what became of it, or the belt stands elsewhere than it
-            should.
+            If the command cannot be done, its outcome cannot be established, or the belt is not at an
+            expected position.
         EmergencyStopError
             If the emergency stop is pressed.
         """
@@ -135,7 +135,7 @@ class Commander:
             self._carry_out(command, self._begin(command))
 
     def settle(self, command: Command) -> None:
-        """Carry out a command that a run broke off in: learn what became of it, and do what is left.
+        """Complete a command during which a run was interrupted, after establishing its outcome.
 
         Raises
         ------
@@ -146,24 +146,24 @@ class Commander:
         self._carry_out(command, self._inquire(command, why) if known is None else Failure(known, why))
 
     def _carry_out(self, command: Command, failure: Failure | None) -> None:
-        """Do what `STEPS` says about a failure, and about every further one, until the command is done."""
+        """React to a failure, and every further one, as `STEPS` defines, until the command is done."""
         delays = list(self._rules.retry_delays)
         tries = len(delays) + 1
         while failure is not None:
-            # A device that cannot be asked is asked again, after a while.
+            # A device that cannot be reached is asked again after a delay.
             step = None if failure.outcome is None else STEPS[type(command.act), failure.outcome]
             if step is Step.RECORD:
                 self._record(CommandDone(command.id))
                 return
             if step is Step.ASK:
-                failure = self._ask_person(command, failure)
+                failure = self._ask_operator(command, failure)
                 continue
             self._wait(delays, f"it failed {tries} times, most recently: {failure}")
             match step:
                 case Step.WAIT:
                     failure = self._send(command, sent_before=True)
                 case Step.REPEAT:
-                    # Until the device is ready somebody may see to the cell: the belt is asked again then.
+                    # An operator may work at the cell until the device is ready: check the belt again then.
                     if not self._belt_stands_at(self._expected()):
                         return
                     boot_id = self._ask(partial(self._ready, command.act))
@@ -175,7 +175,7 @@ class Commander:
                     failure = self._inquire(command, failure.why)
 
     def _begin(self, command: Command) -> Failure | None:
-        """Write down an attempt, then send it."""
+        """Journal an attempt, then send it."""
         if isinstance(command.act, SortInto):
             into = bin_of(self._cell, command.act.bin)
             self._record(Intended(command, into.name, into.number))
@@ -184,9 +184,9 @@ class Commander:
         return self._send(command)
 
     def _send(self, command: Command, *, sent_before: bool = False) -> Failure | None:
-        """Send an attempt, and write down how it ended; return why it failed, if so.
+        """Send an attempt and journal its outcome; return the failure if there was one.
 
-        A device that cannot be reached when it is sent once more does not know whether it acted before.
+        If an attempt is sent again and the device cannot be reached, the first transmission may have acted.
         """
         act, stopped = command.act, None
         try:
@@ -211,24 +211,24 @@ class Commander:
             self._record(CommandFailed(command.id, Outcome.UNKNOWN.value, repr(interrupt)))
             raise
         if isinstance(act, AdvanceTo) and not self._belt_stands_at(range(act.object, act.object + 1)):
-            return None  # it has passed the target, and a person said to go on
+            return None  # the belt has passed the target, and the operator continues from there
         self._record(CommandDone(command.id, stopped=stopped))
         return None
 
     def _inquire(self, command: Command, why: str) -> Failure:
-        """Ask the device what became of a command that failed."""
+        """Ask the device for the outcome of a failed command."""
         device = self._device(command.act)
         try:
             outcome = device.outcome_of(command.id, command.boot_id)
             restarted = device.health().boot_id != command.boot_id
         except CommandError as reason:
             return Failure(None, why, unasked=str(reason))
-        # What a restarted device does not know of may have been done before the restart.
+        # A restarted device may have done, before its restart, a command that it does not know.
         unsure = restarted and outcome is Outcome.NOT_DONE
         return Failure(Outcome.UNKNOWN if unsure else outcome, why)
 
-    def _ask_person(self, command: Command, failure: Failure) -> Failure:
-        """Ask a person what became of a sort, and write the answer down."""
+    def _ask_operator(self, command: Command, failure: Failure) -> Failure:
+        """Ask the operator whether a sort was done, and journal the answer."""
         into, broken_off = bin_of(self._cell, command.act.target), failure.outcome is Outcome.BROKEN_OFF
         hold = in_doubt(command, self._progress.index, into, broken_off, failure.why)
         answer = self._hold(hold)
@@ -239,16 +239,16 @@ class Commander:
         return Failure(outcome, failure.why)
 
     def _expected(self) -> range:
-        """Return the objects of which one is at the belt end; during an advance there are several."""
+        """Return the objects that may be at the belt end: one, or several during an advance."""
         index, pending = self._progress.index, self._progress.pending
         last = pending.act.target if pending is not None and isinstance(pending.act, AdvanceTo) else index
         return range(index, last + 1)
 
     def _belt_stands_at(self, expected: range) -> bool:
-        """Hold the run while the belt says that it stands elsewhere than at one of the expected objects.
+        """Hold the run until the belt reports an expected object at its end.
 
-        Returns False if a person has said that it passed objects, from which the run goes on. During an
-        advance the belt may stand between two objects. What cannot tell its position is believed.
+        Returns False if the operator says that objects have passed; the run continues from there. During an
+        advance the belt may be between two objects. A belt that does not report its position is not checked.
         """
         belt, pending = self._cell.belt, self._progress.pending
         advancing = pending is not None and isinstance(pending.act, AdvanceTo)
@@ -264,7 +264,7 @@ class Commander:
         return True
 
     def _ready(self, act: Act) -> str:
-        """Return the boot id of a device that takes commands; hold the run while it takes none."""
+        """Return the boot id of the device once it accepts commands; hold the run until then."""
         while True:
             health = self._device(act).health()
             if health.emergency_stop:
@@ -294,7 +294,7 @@ class Commander:
                 assert_never(act)
 
     def _ask(self, question: Callable[[], Result]) -> Result:
-        """Ask a device, again after each delay while it cannot be reached; then hold the run."""
+        """Ask a device, with retries while it cannot be reached; then hold the run."""
         delays = list(self._rules.retry_delays)
         while True:
             try:
@@ -305,7 +305,7 @@ class Commander:
                 self._wait(delays, str(failure))
 
     def _wait(self, delays: list[float], reason: str) -> None:
-        """Wait before the next try; when all delays are used up, hold the run and begin anew."""
+        """Wait before the next attempt; after the last delay, hold the run and start again."""
         if delays:
             time.sleep(delays.pop(0))
         else:
@@ -313,10 +313,10 @@ class Commander:
             delays.extend(self._rules.retry_delays)
 
     def _hold(self, hold: Hold) -> Answer | None:
-        """Ask a person, and write down that it was asked."""
+        """Ask the operator, and journal question and answer."""
         command_id = None if hold.command is None else hold.command.id
         self._record(StateChanged(State.HELD, hold.reason, command_id))
         answer = self._operator(replace(hold, object=self._progress.index))
-        said = "mended" if answer is None else answer.value
-        self._record(StateChanged(State.EXECUTE, f"a person said: {said}"))
+        said = "fixed" if answer is None else answer.value
+        self._record(StateChanged(State.EXECUTE, f"the operator says: {said}"))
         return answer

@@ -1,4 +1,4 @@
-"""What a run's drift watch has come to: a function of its journal."""
+"""The state of a run's drift detection, as a function of its journal."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ if TYPE_CHECKING:
 
 @dataclass
 class DriftState:
-    """The watch over the tables, and which of its alarms are written down.
+    """The drift test, and which of its alarms are in the journal.
 
     Attributes
     ----------
     watch
-        Sees every scan; None if the run does without one.
+        The test, updated with every scan; None if drift detection is off.
     reported
-        Number of alarms that are written down.
+        Number of alarms that are in the journal.
     """
 
     watch: "DriftWatch | None" = None
@@ -27,23 +27,23 @@ class DriftState:
 
     @property
     def alarms(self) -> "tuple[Alarm, ...]":
-        """All alarms of the watch."""
+        """All alarms so far."""
         return () if self.watch is None else tuple(self.watch.alarms)
 
     @property
     def unreported(self) -> "tuple[Alarm, ...]":
-        """Alarms that are still to be written down."""
+        """Alarms that are not in the journal yet."""
         return self.alarms[self.reported :]
 
     def begin(self, model: SortingModel, settings: dict[str, Any] | None) -> None:
-        """Watch from here on, or go on watching if that is what is done already.
+        """Start drift detection, unless it runs with these settings already; stop it if there are none.
 
         Parameters
         ----------
         model
-            Whose tables are watched.
+            The model whose tables are tested.
         settings
-            A `beltsort.sorting.rules.Drift` as plain data; None to watch no more.
+            A `beltsort.sorting.rules.Drift` as plain data; None to stop.
         """
         if settings is None:
             self.watch, self.reported = None, 0
@@ -53,7 +53,7 @@ class DriftState:
             self.watch, self.reported = DriftWatch(model, false_alarm=settings["false_alarm"]), 0
 
     def see(self, belief_before: Belief, viewpoint: int, labels: Sequence[int | None]) -> None:
-        """Take in one scan."""
+        """Update the test with one scan."""
         if self.watch is not None:
             self.watch.observe(belief_before, viewpoint, labels)
 

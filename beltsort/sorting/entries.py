@@ -1,8 +1,8 @@
-"""What the journal can tell: a closed set of frozen dataclasses.
+"""The contents of journal entries: a closed set of frozen dataclasses.
 
-An entry is kept as its `kind` and a JSON object of its fields, whose names are part of the file's format; a
-command is kept as `beltsort.sorting.entry_format` says. A field whose default is None is left out while it
-is None; journals of older versions may lack any field that has a default. Times are seconds; labels,
+An entry is stored as its `kind` and a JSON object of its fields, whose names are part of the file's format;
+the format of a command is in `beltsort.sorting.entry_format`. A field whose default is None is omitted while
+it is None; journals of older versions may lack any field that has a default. Times are seconds; labels,
 viewpoints and objects are numbers from 0; beliefs have shape (H, L).
 """
 
@@ -16,25 +16,25 @@ from beltsort.sorting.rules import Seen
 
 
 class State(StrEnum):
-    """Of a run, by the names of ISA-TR88.00.02 (PackML)."""
+    """The state of a run, with the names of ISA-TR88.00.02 (PackML)."""
 
     EXECUTE = "Execute"
     COMPLETE = "Complete"
     HELD = "Held"
-    """It goes on once somebody has seen to the cell."""
+    """It can be resumed once an operator has checked the cell."""
     STOPPED = "Stopped"
-    """By a person."""
+    """Ended by a person."""
     ABORTED = "Aborted"
-    """By the emergency stop, or by an error that nobody foresaw."""
+    """Ended by the emergency stop, or by an unexpected error."""
 
 
 class Content:
-    """What an entry tells.
+    """The content of an entry.
 
     Attributes
     ----------
     kind
-        Its name in the journal; two forms of one entry share it.
+        Name of this kind of entry in the journal; two classes may share it.
     """
 
     kind: ClassVar[str]
@@ -43,7 +43,7 @@ class Content:
 
 @dataclass(frozen=True, kw_only=True)
 class Started(Content):
-    """A run begins: the first entry."""
+    """The start of a run: the first entry."""
 
     kind = "start"
     run: str
@@ -51,18 +51,18 @@ class Started(Content):
     objects: int
     belt_ends: bool = False
     model: str
-    """As JSON."""
+    """The model, as JSON."""
     planner: dict[str, Any] | None = None
     """Settings of `Despot`; None for another policy."""
     beltsort: str = ""
-    """Version that wrote it."""
+    """The version of beltsort that wrote the journal."""
     drift: dict[str, Any] | None = None
-    """A `beltsort.sorting.rules.Drift` as plain data; None without a watch."""
+    """A `beltsort.sorting.rules.Drift` as plain data; None without drift detection."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Resumed(Content):
-    """A run goes on."""
+    """The run is resumed; fields as in `Started`."""
 
     kind = "resume"
     objects: int
@@ -80,7 +80,7 @@ class StateChanged(Content):
     state: State
     reason: str
     command_id: str | None = None
-    """Of the command at which it is held."""
+    """Id of the command at which the run is held."""
 
 
 @dataclass(frozen=True)
@@ -91,13 +91,13 @@ class Planned(Content):
     action: dict[str, int]
     """`{"move": viewpoint}` or `{"decide": label}`."""
     values: list[dict[str, Any]]
-    """Of every legal action: the action, and its `value`."""
+    """For every legal action, the action and its `value`."""
     lower: float
     upper: float
     trials: int
     seconds: float
     late: bool = False
-    """Whether it took much longer than it was given."""
+    """Whether planning took much longer than its time budget."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class Intended(Content):
     bin: str | None = None
     """Name of the bin of a sort; None for another act, and in journals of older versions."""
     number: int | None = None
-    """The sorter's own number of that bin, which it is sent."""
+    """The sorter's number of that bin."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class CommandDone(Content):
     command_id: str
     outcome: Literal["done"] = "done"
     stopped: float | None = None
-    """When arm or belt stood still, on the cell's clock."""
+    """Time at which arm or belt came to a stop, on the cell's clock."""
 
 
 @dataclass(frozen=True)
@@ -140,15 +140,15 @@ class CommandFailed(Content):
     kind = "outcome"
     command_id: str
     outcome: str
-    """A `beltsort.cell.Outcome`'s value: what the device said."""
+    """The outcome reported by the device, a value of `beltsort.cell.Outcome`."""
     error: str
     final: bool = False
-    """Whether it is certain that the attempt never acts."""
+    """Whether it is certain that the attempt never takes effect."""
 
 
 @dataclass(frozen=True)
 class Answered(Content):
-    """A person has said whether a command was done."""
+    """An operator has said whether a command was done."""
 
     kind = "told"
     command_id: str
@@ -157,7 +157,7 @@ class Answered(Content):
 
 @dataclass(frozen=True)
 class ObjectsPassed(Content):
-    """A person has said that the belt went past objects; it stands at object `index`."""
+    """An operator has said that objects passed the belt end unsorted; the belt is at object `index`."""
 
     kind = "passed"
     index: int
@@ -181,7 +181,7 @@ class Scanned(Content):
 
 @dataclass(frozen=True)
 class ScanUnusable(Content):
-    """A scan from which nothing can be read."""
+    """A scan that cannot be used."""
 
     kind = "bad_scan"
     error: str
@@ -194,7 +194,7 @@ class ScanElsewhere(Content):
     kind = "wrong_viewpoint"
     viewpoint: int
     stands_at: int | None
-    """The viewpoint at which it was taken, if it was at one."""
+    """The viewpoint from which it was taken; None if it was from none."""
     angle: float
     """Degrees."""
     distance: float
@@ -203,7 +203,7 @@ class ScanElsewhere(Content):
 
 @dataclass(frozen=True)
 class Drifted(Content):
-    """The watch over the tables has raised an alarm: a `beltsort.tables.Alarm`."""
+    """Drift detection has raised an alarm: a `beltsort.tables.Alarm`."""
 
     kind = "drift"
     position: int | None
@@ -218,7 +218,7 @@ class Decided(Content):
 
     kind = "decision"
     label: int | None
-    """None: it goes to the reject bin."""
+    """The class decided; None if the object goes to the reject bin."""
     bin: int
     belief: float
     looks: int
@@ -232,13 +232,13 @@ class Skipped(Content):
 
     kind = "skip"
     viewpoints: list[int]
-    """From which it was seen empty."""
+    """The viewpoints from which it was seen empty."""
     decided: bool
 
 
 @dataclass(frozen=True)
 class Unheard(Content):
-    """A listener of the journal failed, and is not called any more."""
+    """A listener of the journal failed and is not called again."""
 
     kind = "unheard"
     error: str
@@ -246,7 +246,11 @@ class Unheard(Content):
 
 @dataclass(frozen=True, kw_only=True)
 class Snapshot(Content):
-    """All of `Progress` but what has left the belt: a new file begins with it."""
+    """The state of a run without the objects that have left the belt: the first entry of a further file.
+
+    The fields are those of `beltsort.sorting.progress.Progress`, four of them under the names that the format
+    gave them first.
+    """
 
     kind = "snapshot"
     model: str
@@ -260,22 +264,26 @@ class Snapshot(Content):
     steps: int
     commands: int
     glances: int
+    """`Progress.scans`."""
     strays: int = 0
+    """`Progress.missed_arrivals`."""
     stopped: float
     bin: int | None
     passed: list[int] = field(default_factory=list)
     belief: list[list[float]]
     last_labels: list[list[int]]
     owed: str
+    """`Progress.next`."""
     pending: Command | None
     told: str | None = None
+    """`Progress.known_outcome`."""
     visible: list[Seen]
     drift: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)
 class Ended(Content):
-    """The run's last entry; after a kill or a power cut there is none."""
+    """The last entry of a run; missing after a kill or a power failure."""
 
     kind = "end"
     reason: str

@@ -1,4 +1,4 @@
-"""What a person is asked when a run is held, and what may be answered."""
+"""Held runs: the question to the operator, and the possible answers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,33 +11,33 @@ from beltsort.sorting.command import Command
 
 
 class Answer(Enum):
-    """What a person says of a run that is held."""
+    """An operator's answer about a held run."""
 
     DONE = "done"
-    """The command in question was done: the object is in the bin."""
+    """The command was done: the object is in the bin."""
     NOT_DONE = "not-done"
-    """It was not: the object is still at the belt end."""
+    """The command was not done: the object is still at the belt end."""
     PASSED = "passed"
-    """The belt went past objects, which were not sorted; the run is to go on where it stands."""
+    """Objects passed the belt end unsorted; the run continues at the belt's position."""
 
 
 NUMBER = "NUMBER"
-"""Stands for the number of an object that a person sees."""
+"""Placeholder for the number of the object that the operator sees at the belt end."""
 
 
 @dataclass(frozen=True)
 class Way:
-    """One way out of a hold.
+    """One way to continue a held run.
 
     Attributes
     ----------
     when
-        What must be true.
+        The condition under which this is the right one.
     answer
-        What is then to be answered; None: the run can be resumed without an answer.
+        The operator's answer; None if the run can be resumed without one.
     home
-        The object number with which the belt is then to be homed before, `NUMBER` if that is what a person
-        sees; None if it need not be.
+        The object number with which the belt must be homed first, `NUMBER` for the one that the operator
+        sees; None if it need not be homed.
     """
 
     when: str
@@ -45,60 +45,60 @@ class Way:
     home: int | str | None = None
 
     def __str__(self) -> str:
-        """Return it in a few words."""
+        """Return condition and commands in words."""
         homing = "" if self.home is None else f"home {self.home} and "
         return f"{self.when}: {homing}resume" + (
             "" if self.answer is None else f" --settle {self.answer.value}"
         )
 
 
-MENDED = (Way("once that is mended"),)
+ONCE_FIXED = (Way("once that is fixed"),)
 FURTHER = Way("if another one further on is", home=NUMBER)
-"""The run then asks about those between."""
+"""The run then asks about the objects in between."""
 
 
 @dataclass(frozen=True)
 class Hold:
-    """Why a run is held, and what a person can do about it.
+    """Why a run is held, and how it can be continued.
 
     Attributes
     ----------
     command
         The command at which it is held; None between two commands.
     reason
-        What happened, and what to look at.
+        What happened, and what to check.
     ways
-        How to go on, by what is true.
+        The ways to continue, by condition.
     person
-        Whether a person must decide or see to the cell, so that resuming again and again does not help.
+        Whether an operator must answer or check the cell, so that resuming repeatedly does not help.
     object
-        Number of the object that the run has at the belt end.
+        Number of the object at the belt end, as far as the run knows.
     """
 
     command: Command | None
     reason: str
-    ways: tuple[Way, ...] = MENDED
+    ways: tuple[Way, ...] = ONCE_FIXED
     person: bool = False
     object: int | None = None
 
     @property
     def answers(self) -> tuple[Answer, ...]:
-        """What may be answered."""
+        """The possible answers."""
         return tuple(way.answer for way in self.ways if way.answer is not None)
 
     def __str__(self) -> str:
-        """Return all of it in one line."""
+        """Return reason and ways in one line."""
         where = "" if self.command is None else f" at {self.command.act}"
         return f"held{where}: {self.reason}. {'; '.join(map(str, self.ways))}"
 
 
 class HeldError(CellError):
-    """The run is held until a person has seen to the cell.
+    """The run is held until an operator has checked the cell.
 
     Attributes
     ----------
     hold
-        Why.
+        The reason, and the ways to continue.
     """
 
     def __init__(self, hold: Hold) -> None:
@@ -107,16 +107,16 @@ class HeldError(CellError):
 
 
 Operator = Callable[[Hold], Answer | None]
-"""Says what a person has found: one of the hold's answers, or None where a way without one was gone."""
+"""Returns the operator's answer, one of the hold's, or None for a way without an answer."""
 
 
 def nobody(hold: Hold) -> Answer | None:
-    """Answer no question: the run ends as held."""
+    """Raise the hold as an error: there is no operator to ask, and the run ends as held."""
     raise HeldError(hold)
 
 
 def in_doubt(command: Command, index: int, into: Bin, broken_off: bool, why: str) -> Hold:
-    """Return the question what became of the sort of object `index` into a bin, which no device can tell."""
+    """Return the hold for a sort of object `index` whose outcome the device does not know."""
     known = "was broken off" if broken_off else "may or may not have been done"
     ways = (
         Way(f"if object {index} is in {into}", Answer.DONE),
@@ -127,12 +127,12 @@ def in_doubt(command: Command, index: int, into: Bin, broken_off: bool, why: str
 
 
 def at_the_end(expected: range) -> list[Way]:
-    """Return a way for each object that may be at the belt end."""
+    """Return the ways to home the belt, one for each object that may be at its end."""
     return [Way(f"if object {i} is at the belt end", home=i) for i in expected]
 
 
 def belt_elsewhere(position: int, expected: range, command: Command | None, needs_home: bool) -> Hold:
-    """Return the hold for a belt that stands elsewhere than it should."""
+    """Return the hold for a belt that is not at an expected position."""
     stands = "at no object" if position == NOWHERE else f"at object {position}"
     last = expected[-1]
     ways = at_the_end(expected)

@@ -61,9 +61,9 @@ class Interrupts:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Handle them as before; what a library has made another error of was an interrupt all the same.
+        """Restore the handlers; raise `Interrupted` if a library has turned the interrupt into another error.
 
-        What cell and journal say of themselves stays: somebody must learn of it.
+        Errors of the cell and the journal are kept, since they must be reported.
         """
         for number, before in self._before.items():
             signal.signal(number, before)

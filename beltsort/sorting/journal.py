@@ -1,8 +1,8 @@
 """The durable record of a run.
 
 An append-only list of entries in SQLite files. Every entry is on the disk before the call that wrote it
-returns (WAL, synchronous=FULL), so that what the cell did is known after any crash: an *intent* without an
-*outcome* is the one command whose fate is unknown.
+returns (WAL, synchronous=FULL), so that the cell's actions are known after any crash, except for the outcome
+of one command: the *intent* that no *outcome* follows.
 
 A long run is kept in several files, of which the oldest are dropped: `journal.sqlite` is being written, the
 full ones beside it are numbered (`journal-0001.sqlite`).
@@ -48,7 +48,7 @@ class Entry:
     object
         Number of the object at the belt end; None before the first.
     content
-        What it tells.
+        The content of the entry.
     """
 
     number: int
@@ -58,16 +58,16 @@ class Entry:
 
     @property
     def kind(self) -> str:
-        """The name of what it tells."""
+        """The kind of its content."""
         return self.content.kind
 
     @property
     def data(self) -> dict[str, Any]:
-        """What it tells, as the file keeps it: plain data, fit for JSON."""
+        """Its content as plain data, as stored in JSON."""
         return plain(self.content)
 
     def plain(self) -> dict[str, Any]:
-        """Return all of it as plain data."""
+        """Return the entry as plain data."""
         return {name: getattr(self, name) for name in ("number", "time", "kind", "object", "data")}
 
 
@@ -84,7 +84,7 @@ class Journal:
     listener
         Called with every entry after it has been written.
     resume
-        Go on with a journal that exists.
+        Continue an existing journal.
     largest
         Size at which a file is full, bytes.
     keep
@@ -119,21 +119,21 @@ class Journal:
         """Write one entry; it is on the disk when this returns."""
         time = datetime.now(UTC).isoformat()
         with self._failing_as("written"):
-            # SQLite numbers the entries: an interrupt cannot part its count from what is written.
+            # SQLite numbers the entries, so that an interrupt cannot separate the number from the row.
             cursor = self._database.execute(
                 "INSERT INTO entries SELECT coalesce(max(number), ?) + 1, ?, ?, ?, ? FROM entries",
                 (self._before, time, content.kind, self.object, json.dumps(plain(content))),
             )
         entry = Entry(int(cursor.lastrowid or 0), time, self.object, content)
         if self._listener:
-            self._tell(self._listener, entry)
+            self._notify(self._listener, entry)
         return entry
 
-    def _tell(self, listener: Listener, entry: Entry) -> None:
-        """Tell a listener; one that fails, as a console that was closed, is not told again."""
+    def _notify(self, listener: Listener, entry: Entry) -> None:
+        """Call the listener; one that fails, as a console that was closed, is not called again."""
         try:
             listener(entry)
-        except Exception as failure:  # whatever it is, the run goes on
+        except Exception as failure:  # any exception; the run continues
             self._listener = None
             self.append(Unheard(repr(failure)))
 
@@ -151,7 +151,7 @@ class Journal:
         Parameters
         ----------
         snapshot
-            What the new file begins with: all that is needed to go on without the old ones.
+            The first entry of the new file: the state of the run, for which the old files are not needed.
         """
         (number,) = self._database.execute("SELECT max(number) FROM entries").fetchone()
         full = _full_files(self.path)
@@ -246,7 +246,7 @@ def _entry(file: Path, number: int, time: str, kind: str, index: int | None, dat
     except ValueError as reason:
         raise JournalError(
             f"{file}: entry {number} ({kind}) is none that beltsort {__version__} knows: {reason}; read it "
-            "with the version that wrote it, which its first entry tells, or it is damaged"
+            "with the version that wrote it, which its first entry names, or it is damaged"
         ) from reason
 
 

@@ -1,4 +1,4 @@
-"""The loop: scan -> perceive -> belief -> plan -> act -> journal."""
+"""The sorting loop: scan, perceive, update the belief, plan, act. Every step is journalled."""
 
 from collections.abc import Callable
 from dataclasses import asdict
@@ -24,14 +24,14 @@ from beltsort.sorting.report import SortingReport
 from beltsort.sorting.rules import Drift, Rules
 from beltsort.util.text import number_or_none
 
+__all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
+
 Check = Callable[[], None]
+"""Called before each step of a run; an exception that it raises ends the run."""
 
 
 def nothing() -> None:
     """Check nothing."""
-
-
-__all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
 
 
 def sort_objects(
@@ -54,45 +54,52 @@ def sort_objects(
     Parameters
     ----------
     cell
-        Arm, camera, belt and bins; its classes, viewpoints and positions must be the model's. It needs no bin
-        for the model's class for empty cups if that is the last one.
+        Arm, camera, belt and sorter; its classes, viewpoints and positions must be the model's. If the last
+        class of the model stands for empty cups, the cell needs no bin for it.
     perceive
-        From a scan to one result per position, the belt end first.
+        Function from a scan to one result per position, the belt end first.
     policy
-        Names the next action.
+        Chooses the next action.
     model
-        Updates the belief.
+        The model with which the belief is updated.
     journal
-        An open journal without entries. Its last entry is `end`, also after an error or an interrupt; after a
-        kill or a power cut there is none.
+        An open journal without entries. The last entry written is `end`, also after an error or an interrupt;
+        it is missing only after a kill or a power failure.
     objects
-        Objects to work through, empty cups included. An empty cup is skipped: when `Rules.empty_looks` says
-        so or, if the model has a class for empty cups, when that is decided.
+        Number of objects to sort, empty cups included. A cup is skipped once it has been seen empty
+        `Rules.empty_looks` times or, if the model has a class for empty cups, once that class is decided.
     first
-        Number of the object at the belt end now, as the belt counts.
+        The belt's number of the object at the belt end now.
     belt_ends
-        Whether nothing follows these objects. The policy is then asked with beliefs that know how many
-        are left (`Belief.remaining`); planners look longer at the last ones, as nothing waits behind them.
+        Whether no objects follow these. The beliefs given to the policy then include the number of objects
+        left (`Belief.remaining`), and planners spend more looks on the last ones, which delay no others.
     rules
         Limits; default `Rules()`.
     operator
-        Asked what became of a command where no device can tell; by default the run ends as held.
+        Asked for the outcome of a command if no device knows it; by default nobody is asked, and the run is
+        held.
     drift
-        Watch whether labels still come as the tables say; not by default. Alarms are journalled.
+        Settings of drift detection; off by default. Alarms are journalled.
     check
-        Called before every step; what it raises ends the run, as an interrupt does. An exception that a
-        signal handler raises may be swallowed by the library it interrupts: a flag that is read here is not.
+        Called before every step; an exception that it raises ends the run, as an interrupt does. Signal
+        handlers should set a flag that is checked here, since an exception raised in a handler may be lost in
+        the library that it interrupts.
+
+    Returns
+    -------
+    SortingReport
+        Steps, decisions and skipped cups.
 
     Raises
     ------
     CellError
-        If cell and model do not fit, the camera gives no usable scan or stands elsewhere, a command cannot be
-        carried out, or the tables no longer hold and `Drift.hold` says so;
-        `resume_sorting` goes on once that is mended.
+        If cell and model do not fit, the camera returns no usable scan or is not at its viewpoint, a command
+        fails, or labels have drifted and `Drift.hold` is set. When the cause has been removed,
+        `resume_sorting` continues the run.
     HeldError
-        If a person must say what became of a command.
+        If an operator must say whether a command was done.
     BeltsortError
-        Whatever else the cell, perception or the policy raise.
+        Any other error of the cell, of perception or of the policy.
     """
     record = Record(journal, Progress.at_start(model))
     loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, check)
@@ -121,23 +128,23 @@ def resume_sorting(
     drift: Drift | None = None,
     check: Check = nothing,
 ) -> SortingReport:
-    """Go on with a run that was broken off, wherever that was.
+    """Continue an interrupted run from its journal.
 
-    The belief is exactly the one that the run had. A command whose outcome was not written down is settled
-    first: a sort is repeated only if its device says that it was not done. The camera is brought back to
-    where it stood, which counts as no step.
+    The belief is restored exactly. If the outcome of the last command was not journalled, it is established
+    first; a sort is repeated only if the device says that it was not done. The camera is moved back to its
+    viewpoint, which does not count as a step.
 
     Parameters
     ----------
     cell, perceive, policy, rules, operator, drift, check
-        As in `sort_objects`; the same as before, if the decisions are to be the same.
+        As in `sort_objects`; for the same decisions, they must be the same as before.
     journal
         The run's journal, opened with ``resume=True``.
 
     Returns
     -------
     SortingReport
-        Of the whole run, as far as the journal still has it.
+        The whole run, as far as it is still in the journal.
 
     Raises
     ------
@@ -179,9 +186,9 @@ class _Loop:
         self.chooser = Chooser(cell, policy, record, rules, self.commander)
 
     def run(self, first: Started | Resumed) -> SortingReport:
-        """Work until nothing is left, from a first entry on; write down how it ends.
+        """Write the first entry, take steps until all objects have left the belt, and journal how it ended.
 
-        What ends it early stops every device.
+        If the run ends early, every device is stopped.
         """
         try:
             with stopping(self.cell):
@@ -206,7 +213,7 @@ class _Loop:
         )
 
     def step(self) -> None:
-        """Do what comes next: what a run was broken off in first, and nothing before the camera stands."""
+        """Take the next step; a pending command and the camera's return to its viewpoint come first."""
         progress = self.progress
         if progress.drift.unreported:
             self.report_drift()
@@ -224,7 +231,7 @@ class _Loop:
             self.chooser.choose()
 
     def report_drift(self) -> None:
-        """Write down the alarms of the watch over the tables, and hold the run if it is to be held."""
+        """Journal new drift alarms, and hold the run if `Drift.hold` is set."""
         for alarm in self.progress.drift.unreported:
             evidence = number_or_none(alarm.evidence)
             self.record(Drifted(alarm.position, alarm.viewpoint, alarm.looks, evidence))
@@ -239,7 +246,7 @@ class _Loop:
 
 
 def _state_after(failure: BaseException) -> State:
-    """Return the state in which a run ends early: held if it can go on once the cell has been seen to."""
+    """Return the state of a run after a failure: held if it can be resumed once the cell is in order."""
     match failure:
         case EmergencyStopError():
             return State.ABORTED
@@ -252,10 +259,12 @@ def _state_after(failure: BaseException) -> State:
 
 
 def _settings(policy: Policy) -> dict[str, Any] | None:
+    """Return what the journal keeps of a policy: the settings of `Despot`, nothing of others."""
     return policy.settings if isinstance(policy, Despot) else None
 
 
 def _check_fit(cell: Cell, model: SortingModel) -> None:
+    """Check that a cell has the classes, viewpoints and positions of a model."""
     classes = list(model.classes)
     if classes[-1] == model.empty and model.empty not in cell.classes:
         classes.pop()

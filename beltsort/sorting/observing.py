@@ -1,4 +1,4 @@
-"""Looking: a scan that can be used, what it shows, and what that says about the objects."""
+"""Taking scans: a usable scan is perceived, and the belief updated with its labels."""
 
 from collections.abc import Callable, Sequence
 from typing import Protocol
@@ -15,11 +15,11 @@ from beltsort.sorting.rules import Rules
 
 
 class PerceivedPosition(Protocol):
-    """What the loop needs to know of one belt position after a scan."""
+    """What perception reports about one belt position."""
 
     @property
     def label(self) -> int | None:
-        """Class index, or None if what was seen got no label."""
+        """Class index, or None if there is no label."""
 
     @property
     def empty(self) -> bool:
@@ -30,10 +30,11 @@ class PerceivedPosition(Protocol):
         """What was found there, or why nothing was, in a word or two."""
 
 
-MISSED_ARRIVALS = 1
-"""Moves in a row that may end at another viewpoint before the run is held."""
-
 Perceive = Callable[[Scan], Sequence[PerceivedPosition]]
+"""Function from a scan to one result per position, the belt end first."""
+
+MISSED_ARRIVALS = 1
+"""Moves in a row that may end away from their viewpoint before the run is held."""
 
 
 class Observer:
@@ -42,11 +43,11 @@ class Observer:
     Parameters
     ----------
     cell
-        Its camera takes scans.
+        The cell; its camera takes the scans.
     perceive
-        From a scan to one result per position, the belt end first.
+        Function from a scan to one result per position.
     progress
-        Of the run.
+        State of the run.
     record
         Writes an entry and applies it to `progress`.
     rules
@@ -68,15 +69,15 @@ class Observer:
         self._empty = None if empty is None else progress.model.classes.index(empty)
 
     def observe(self) -> None:
-        """Scan from where the camera stands, perceive, and update the belief by what was seen.
+        """Scan from the current viewpoint, perceive, and update the belief.
 
-        A label that the belief holds impossible is dropped, and written down. So is a scan from another
-        viewpoint than the arm was sent to: the camera has not arrived then.
+        A label that is impossible under the belief is dropped, and journalled as such. So is a scan that was
+        not taken from the viewpoint that the arm was sent to; the camera then counts as not arrived.
 
         Raises
         ------
-        CellError
-            If `Rules.scan_attempts` scans in a row are unusable, or the camera stands elsewhere again.
+        HeldError
+            If `Rules.scan_attempts` scans in a row are unusable, or the camera misses its viewpoint again.
         EmergencyStopError
             If the emergency stop is pressed.
         """
@@ -100,7 +101,7 @@ class Observer:
         raise HeldError(Hold(None, reason))
 
     def _fresh_scan(self) -> Scan:
-        """Return a scan younger than the last stop, whatever the camera thinks of that."""
+        """Return a scan taken after the last stop; the camera's own check of that is not relied on."""
         stopped = self._progress.stopped
         scan = self._camera.scan(not_before=stopped)
         if scan.stamp < stopped:
@@ -110,10 +111,13 @@ class Observer:
         return scan
 
     def _update(self, perceived: Sequence[PerceivedPosition]) -> None:
-        """Update the belief by what was seen; the model may have a class for empty cups."""
+        """Update the belief with the labels of a scan, and journal them.
+
+        If the model has a class for empty cups, an empty position gets it as its label.
+        """
         belief, viewpoint = self._progress.belief.copy(), self._progress.viewpoint
         probabilities = belief.label_probabilities(viewpoint)
-        labels = [self._empty if what.empty and self._empty is not None else what.label for what in perceived]
+        labels = [self._empty if seen.empty and self._empty is not None else seen.label for seen in perceived]
         dropped = [
             {"position": position, "label": label, "probability": float(probabilities[position, label])}
             for position, label in enumerate(labels)
@@ -123,8 +127,8 @@ class Observer:
             Scanned(
                 viewpoint=viewpoint,
                 labels=labels,
-                empty=[what.empty for what in perceived],
-                findings=[what.finding for what in perceived],
+                empty=[seen.empty for seen in perceived],
+                findings=[seen.finding for seen in perceived],
                 dropped=dropped,
                 belief=belief.probabilities.tolist(),
                 last_labels=belief.last_labels.tolist(),
@@ -132,7 +136,7 @@ class Observer:
         )
 
     def _taken_elsewhere(self, scan: Scan) -> bool:
-        """Whether a scan was taken elsewhere; more than `MISSED_ARRIVALS` times in a row hold the run."""
+        """Whether a scan was taken from elsewhere; more than `MISSED_ARRIVALS` in a row hold the run."""
         viewpoint, rules = self._progress.viewpoint, self._rules
         limits = rules.arrival_angle, rules.arrival_distance
         off = deviation_from(self._poses[viewpoint], scan)
@@ -156,7 +160,7 @@ class Observer:
 
 
 def _possible(belief: Belief, viewpoint: int, position: int, label: int) -> bool:
-    """Update the belief about one position, unless it holds the label impossible; return whether it did."""
+    """Update the belief about one position; return whether the label is possible, else change nothing."""
     labels: list[int | None] = [None] * len(belief.probabilities)
     labels[position] = label
     try:

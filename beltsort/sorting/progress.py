@@ -1,7 +1,7 @@
-"""How far a run has come: a function of its journal.
+"""The state of a run, as a function of its journal.
 
-The loop changes its state in one way only: it writes an entry, then applies it. So a run that was killed at
-any moment is brought back by applying what it wrote.
+The loop changes its state only by writing an entry and then applying it. A run that was killed at any moment
+is therefore restored by applying its entries again.
 """
 
 from collections.abc import Sequence
@@ -41,12 +41,12 @@ from beltsort.sorting.rules import Seen
 
 
 class Next(Enum):
-    """What the loop has to do next."""
+    """The next thing that the loop does, unless a command is pending."""
 
     CHOOSE = "choice"
     """Choose an action."""
     SCAN = "scan"
-    """Scan from where the camera stands."""
+    """Scan from the current viewpoint."""
     ADVANCE = "advance"
     """Bring the next object to the belt end."""
 
@@ -57,7 +57,7 @@ def model_of(entries: Sequence[Entry]) -> SortingModel:
     Raises
     ------
     JournalError
-        If they begin with neither a start nor a snapshot.
+        If the first one is neither a start nor a snapshot.
     """
     first = entries[0]
     if not isinstance(first.content, Started | Snapshot):
@@ -69,52 +69,52 @@ def model_of(entries: Sequence[Entry]) -> SortingModel:
 
 @dataclass
 class Progress:
-    """What the loop knows.
+    """The state of a run.
 
     Attributes
     ----------
     model
-        Updates the belief.
+        The model with which the belief is updated.
     belief
-        About the visible objects.
+        Belief about the visible objects.
     run
         Name of the run, part of its commands' ids.
     first
         Number of the object at the belt end at the start.
     objects
-        Objects to work through, empty cups included.
+        Number of objects to sort, empty cups included.
     belt_ends
-        Whether nothing follows them, which the belief then knows.
+        Whether no objects follow; the belief then includes the number of objects left.
     index
         Number of the object at the belt end.
     viewpoint
-        Where the camera stands, or is to be brought.
+        The camera's viewpoint, or the one to which it is to be moved.
     arrived
-        Whether it stands there; not so at the start, and after a pause in which somebody may have moved it.
+        Whether the camera is there; False at the start, and after a pause in which it may have been moved.
     steps
-        Moves and decisions so far.
+        Number of moves and decisions.
     commands
-        Commands so far, repeated ones once.
+        Number of commands; repeated attempts do not count.
     scans
-        Scans since the belt moved, unusable ones included.
+        Number of scans since the belt moved, unusable ones included.
     missed_arrivals
-        Moves in a row that ended at another viewpoint.
+        Moves in a row that did not end at their viewpoint.
     stopped
-        When arm and belt stood still last, seconds on the cell's clock.
+        Time at which arm and belt last came to a stop, seconds on the cell's clock.
     next
-        What to do next; a pending command goes before.
+        What to do next, once no command is pending.
     pending
         The command that is not known to be done, in its latest attempt.
     known_outcome
-        What became of that attempt, if it is certain: it was refused, or a person has said so.
+        The outcome of that attempt if it is certain: it was refused, or an operator has said so.
     bin
-        Where the object at the belt end is to be sorted, from the decision until it is done.
+        The bin for the object at the belt end, from the decision until the object has been sorted.
     visible
-        What is known of each visible object besides the belief.
+        What is known about each visible object besides the belief.
     drift
-        What the watch over the tables has come to.
+        State of drift detection.
     decisions, skipped, passed
-        What the report will say.
+        The decisions, and the numbers of the objects that were skipped or passed the belt end unsorted.
     """
 
     model: SortingModel
@@ -153,7 +153,7 @@ class Progress:
         Raises
         ------
         JournalError
-            If they begin with anything else, or cannot follow each other.
+            If the first entry is another, or an entry contradicts those before it.
         """
         progress = cls.at_start(model_of(entries))
         for entry in entries:
@@ -167,12 +167,12 @@ class Progress:
 
     @property
     def end(self) -> int:
-        """Number of the object behind the last one."""
+        """The number that follows the last object's."""
         return self.first + self.objects
 
     @property
     def remaining(self) -> int | None:
-        """Objects left to decide, the one at the belt end included; None on a belt that never ends."""
+        """Number of objects left, including the one at the belt end; None if the belt never ends."""
         return max(0, self.end - self.index) if self.belt_ends else None
 
     @property
@@ -182,12 +182,12 @@ class Progress:
         return decided and self.bin is None
 
     def apply(self, entry: Entry) -> None:
-        """Take in one entry.
+        """Update the state with an entry.
 
         Raises
         ------
         JournalError
-            If it cannot follow the ones before.
+            If the entry contradicts those before it.
         """
         match entry.content:
             case Started() as start:
@@ -225,7 +225,7 @@ class Progress:
             case Snapshot() as snapshot:
                 self._restore(snapshot)
             case StateChanged() | Planned() | Chosen() | Unheard() | Ended():
-                pass  # for people: they change nothing
+                pass  # information for people only
             case content:
                 assert_never(content)
 
@@ -237,14 +237,14 @@ class Progress:
 
     def _resume(self, drift: dict[str, Any] | None) -> None:
         self.drift.begin(self.model, drift)
-        self.arrived, self.missed_arrivals = False, 0  # somebody has seen to the arm
-        self.stopped = 0.0  # the clock may be another one since; the arm is moved before the next scan
+        self.arrived, self.missed_arrivals = False, 0  # the arm may have been moved or repaired
+        self.stopped = 0.0  # the clock may have been restarted; the arm is moved before the next scan
 
     def _pending(self, command_id: str) -> Command:
-        """Return the pending command, which an entry is about."""
+        """Return the pending command, to which an entry must refer."""
         if self.pending is None or self.pending.id != command_id:
             raise JournalError(
-                f"the journal tells the outcome of {command_id}, which was not pending; it is damaged"
+                f"the journal contains the outcome of {command_id}, which was not pending; it is damaged"
             )
         return self.pending
 
@@ -267,18 +267,18 @@ class Progress:
                 assert_never(act)
 
     def _pass(self, index: int) -> None:
-        """Go on where the belt stands: what went past the belt end unsorted is lost to the run."""
+        """Continue at object `index`; those that passed the belt end unsorted are lost to the run."""
         if self.bin is not None:
-            self.decisions.pop()  # it never reached its bin
-        dealt_with = self.next is Next.ADVANCE and self.bin is None  # sorted or skipped
-        self.passed += range(self.index + dealt_with, min(index, self.end))
+            self.decisions.pop()  # the object never reached its bin
+        finished = self.next is Next.ADVANCE and self.bin is None  # sorted or skipped
+        self.passed += range(self.index + finished, min(index, self.end))
         self.pending = self.known_outcome = self.bin = None
         while self.index < min(index, self.end):
             self._shift(self.index + 1)
-        self.next, self.arrived = Next.CHOOSE, False  # somebody was at the cell
+        self.next, self.arrived = Next.CHOOSE, False  # the operator may have moved the arm
 
     def _shift(self, index: int) -> None:
-        """Let the belt have moved on by one object."""
+        """Update the state after an advance of the belt by one object."""
         self.index, self.scans = index, 0
         self.belief.advance()
         self.visible = [*self.visible[1:], Seen()]
@@ -286,7 +286,7 @@ class Progress:
     def _scan(self, scan: Scanned) -> None:
         self.scans, self.missed_arrivals = self.scans + 1, 0
         self.drift.see(self.belief, scan.viewpoint, scan.labels)
-        self._believe(scan)
+        self.belief = Belief(self.model, scan.belief, scan.last_labels, self.remaining)
         dropped = {drop["position"] for drop in scan.dropped}
         for position, (seen, label) in enumerate(zip(self.visible, scan.labels, strict=True)):
             seen.looks += 1
@@ -294,9 +294,6 @@ class Progress:
             if label is not None:
                 seen.impossible = seen.impossible + 1 if position in dropped else 0
         self.next = Next.CHOOSE
-
-    def _believe(self, entry: Scanned | Snapshot) -> None:
-        self.belief = Belief(self.model, entry.belief, entry.last_labels, self.remaining)
 
     def _decide(self, decided: Decided) -> None:
         self.steps += 1
@@ -306,9 +303,9 @@ class Progress:
         self.bin, self.next = decided.bin, Next.ADVANCE
 
     def snapshot(self) -> Snapshot:
-        """Return everything but what has left the belt."""
+        """Return the state without the objects that have left the belt."""
         return Snapshot(
-            **{name: getattr(self, name) for name in _KEPT},
+            **{name: getattr(self, name) for name in _SAME_NAME},
             model=self.model.to_json(),
             glances=self.scans,
             strays=self.missed_arrivals,
@@ -322,20 +319,20 @@ class Progress:
         )
 
     def _restore(self, snapshot: Snapshot) -> None:
-        for name in _KEPT:
+        for name in _SAME_NAME:
             setattr(self, name, getattr(snapshot, name))
         self.scans, self.missed_arrivals = snapshot.glances, snapshot.strays
         self.next = Next(snapshot.owed)
         self.known_outcome = None if snapshot.told is None else Outcome(snapshot.told)
-        self._believe(snapshot)
+        self.belief = Belief(self.model, snapshot.belief, snapshot.last_labels, self.remaining)
         self.visible = [replace(seen) for seen in snapshot.visible]
         self.passed = list(snapshot.passed)
         if snapshot.drift is not None:
             self.drift = DriftState.of_snapshot(self.model, snapshot.drift)
 
 
-_KEPT = (
+_SAME_NAME = (
     *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived", "steps", "commands"),
     *("stopped", "bin", "pending"),
 )
-"""What a snapshot keeps under its own name."""
+"""Attributes that a snapshot stores under the same name."""

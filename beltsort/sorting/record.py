@@ -1,4 +1,4 @@
-"""Writing down, then taking in: the only way in which a run's state changes."""
+"""Writing an entry and applying it to the state: the only way in which a run's state changes."""
 
 from pathlib import Path
 
@@ -8,21 +8,21 @@ from beltsort.sorting.progress import Progress
 
 
 class Record:
-    """A journal, and the progress that follows from it.
+    """A journal, and the state of the run after its entries.
 
     Parameters
     ----------
     journal
-        Open.
+        The open journal.
     progress
-        As far as the journal goes.
+        The state after its last entry.
     """
 
     def __init__(self, journal: Journal, progress: Progress) -> None:
         self.journal, self.progress = journal, progress
 
     def __call__(self, content: AnyContent) -> None:
-        """Write an entry, then take it in."""
+        """Write an entry, then apply it to the state."""
         self.progress.apply(self.journal.append(content))
         self.journal.object = self.progress.index
         if self.journal.full:
@@ -30,11 +30,11 @@ class Record:
 
 
 def progress_in(path: Path) -> Progress:
-    """Return how far the run of a journal has come.
+    """Return the state of the run after the last entry of a journal.
 
     Raises
     ------
     JournalError
-        If the journal is missing or damaged, or begins in the middle of nowhere.
+        If the journal is missing or damaged, or begins with neither a start nor a snapshot.
     """
     return Progress.after(read_journal(path))

@@ -1,4 +1,4 @@
-"""What a run reports."""
+"""The report of a run."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -34,7 +34,7 @@ class Decision:
 
 @dataclass(frozen=True)
 class SortingReport:
-    """What a run did.
+    """The decisions of a run, and the objects that were not sorted.
 
     Attributes
     ----------
@@ -45,9 +45,9 @@ class SortingReport:
     skipped
         Numbers of the cups found empty.
     drift
-        Alarms of the watch over the tables, if there was one.
+        Alarms of drift detection.
     passed
-        Numbers of objects that went past the belt end unsorted, as a person has said.
+        Numbers of the objects that passed the belt end unsorted, according to the operator.
     """
 
     steps: int

@@ -1,36 +1,39 @@
-"""The rules of the loop, and what they count."""
+"""The rules of the loop, and the counts that they limit."""
 
 from dataclasses import dataclass, field
+
+from beltsort._core import DEFAULT_MAX_LOOKS, MAX_IMPOSSIBLE_LABELS
 
 
 @dataclass(frozen=True)
 class Rules:
-    """What keeps the loop from hanging.
+    """Limits that keep the loop from running for ever.
 
     Attributes
     ----------
     max_looks
-        An object scanned this often is decided as its most likely class, or goes to the cell's `reject_bin`.
-        With poor tables and a large penalty, looking for ever would be optimal.
+        Number of scans after which an object is decided as its most likely class, or goes to the cell's
+        `reject_bin`. With poor tables and a large penalty, looking for ever would be optimal.
     empty_looks
-        A position seen empty in so many scans in a row, each from another viewpoint as far as there are, is
-        empty. A model with a class for empty cups does without this rule.
+        Number of scans in a row, from different viewpoints if there are as many, after which a position seen
+        empty is taken to be empty. It does not apply if the model has a class for empty cups.
     impossible_labels
-        So many labels in a row that the belief holds impossible are treated like `max_looks`.
+        Number of labels in a row that are impossible under the belief, after which an object is treated as
+        after `max_looks`.
     scan_attempts
-        Unusable scans in a row after which the camera is taken to be broken.
+        Number of unusable scans in a row after which the run is held.
     retry_delays
-        Seconds before a command that failed is sent again, or a device that cannot be reached asked again,
-        longer each time; when all are used up, the run is held. In all less than the commands' timeouts.
+        Delays, seconds, before each retry of a command that failed or of a device that cannot be reached;
+        after the last one the run is held. Their sum should be less than the commands' timeouts.
     arrival_angle, arrival_distance
-        A scan taken more than so many degrees or millimetres from the viewpoint's pose, where both poses are
-        known, is of another viewpoint. The arm is sent there once more; then the run is held. More than the
-        errors of arm and taught poses, less than what lies between two viewpoints.
+        Largest deviation, degrees and millimetres, of a scan's camera pose from the viewpoint's, if both are
+        known. After a larger one the arm is sent there again; after a second one the run is held. Choose more
+        than the errors of arm and taught poses, and less than the difference between two viewpoints.
     """
 
-    max_looks: int = 60
+    max_looks: int = DEFAULT_MAX_LOOKS
     empty_looks: int = 2
-    impossible_labels: int = 3
+    impossible_labels: int = MAX_IMPOSSIBLE_LABELS
     scan_attempts: int = 3
     retry_delays: tuple[float, ...] = (0.2, 1.0, 5.0, 15.0)
     arrival_angle: float = 5.0
@@ -39,12 +42,12 @@ class Rules:
 
 @dataclass(frozen=True)
 class Drift:
-    """How the loop watches whether labels still come as the tables say.
+    """Settings of drift detection: the test whether labels still follow the tables.
 
     Attributes
     ----------
     false_alarm
-        Probability, at most, that the watch ever raises an alarm while the model is right: see
+        Upper bound of the probability that an alarm is ever raised while the model is right: see
         `beltsort.tables.DriftWatch`.
     hold
         Whether an alarm holds the run; otherwise it is only journalled.
@@ -59,7 +62,7 @@ class Drift:
     hold: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what is no probability of an alarm."""
+        """Check the probability."""
         from beltsort.tables.drift import check_false_alarm
 
         check_false_alarm(self.false_alarm)
@@ -67,16 +70,16 @@ class Drift:
 
 @dataclass
 class Seen:
-    """What is known of one object besides the belief.
+    """What is known about one object besides the belief.
 
     Attributes
     ----------
     looks
-        Scans in which it was visible.
+        Number of scans in which it was visible.
     empty
-        Viewpoints of the last scans in a row that saw it empty.
+        Viewpoints of the latest scans in a row that saw its position empty.
     impossible
-        Labels in a row that the belief held impossible.
+        Number of labels in a row that were impossible under the belief.
     """
 
     looks: int = 0
@@ -84,7 +87,7 @@ class Seen:
     impossible: int = 0
 
     def known_empty(self, rules: Rules, reachable: list[int]) -> bool:
-        """Whether it was seen empty often enough, and from enough viewpoints as far as there are."""
+        """Whether the position was seen empty often enough, from enough of the reachable viewpoints."""
         untried = set(reachable) - set(self.empty)
         enough = rules.empty_looks
         return len(self.empty) >= enough and (len(set(self.empty)) >= enough or not untried)

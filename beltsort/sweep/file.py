@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from beltsort._core import DEFAULT_BATCH_SIZE, DEFAULT_BATCHES
 from beltsort.errors import SweepError
+from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.util.problems import Problem, listed
 from beltsort.util.validation import StrictModel, validated
 
@@ -26,9 +28,9 @@ Seeds = Annotated[list[Seed], Field(min_length=1), BeforeValidator(_seeds)]
 class Tables(StrictModel):
     """What one row simulates at level `tables`: as of `beltsort.evaluate`."""
 
-    batches: Count = 1000
+    batches: Count = DEFAULT_BATCHES
     """Number of simulated batches."""
-    batch_size: Count = 10
+    batch_size: Count = DEFAULT_BATCH_SIZE
     """Decisions in a batch."""
     true_classes: list[str] | None = None
     """Classes to draw objects from uniformly; the arrival prior if missing."""
@@ -41,9 +43,9 @@ class Scans(StrictModel):
     """Objects of a run."""
     drawn_from: list[str] | None = None
     """Classes to draw them from uniformly; all if missing."""
-    training_objects: Count = 40
+    training_objects: Count = TRAINING_OBJECTS
     """Objects per class, viewpoint and position that the classifier is trained on."""
-    table_objects: Count = 100
+    table_objects: Count = TABLE_OBJECTS
     """Independent objects per row of the observation tables."""
 
 

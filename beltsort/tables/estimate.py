@@ -1,4 +1,4 @@
-"""From labelled scans to a model, with its errors and with tests of its assumptions."""
+"""Estimation of a model from labelled scans, with standard errors and tests of its assumptions."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -22,20 +22,20 @@ SIGNIFICANT = 0.05  # after Holm's correction
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """A model from labelled scans.
+    """A model estimated from labelled scans, and its statistics.
 
     Attributes
     ----------
     model
-        With the counts and the smoothing in it.
+        The model; it includes the counts and the smoothing.
     counts
-        Of independent objects.
+        Label counts of independent objects.
     scans
         Number of scans.
     worst
         The table row with the largest standard error.
     missing
-        Further objects per row after which every entry would have at most the wanted standard error.
+        Further objects needed per row for every entry to have at most the target standard error.
     tests
         Tests of the model's assumptions.
     """
@@ -49,21 +49,20 @@ class Estimate:
 
     @property
     def smoothing(self) -> float:
-        """Pseudo-counts of the prior."""
+        """Pseudo-count of the prior that is added to each count."""
         return float(self.model.smoothing or 0.0)
 
     def warnings(self) -> list[str]:
-        """Return, in words, how many table rows have no object and which assumptions the scans contradict."""
-        seen = self.counts.counts.sum(axis=-1)
-        contradicted = [self._warning(test) for test in self.tests if test.p <= SIGNIFICANT]
-        if seen.all():
-            return contradicted
-        never = (
-            f"{(seen == 0).sum()} of {seen.size} table rows have no labelled object: they are the prior alone"
-        )
-        return [never, *contradicted]
+        """Return sentences on table rows without any object, and on assumptions that the scans contradict."""
+        warnings = [self._warning(test) for test in self.tests if test.p <= SIGNIFICANT]
+        per_row = self.counts.counts.sum(axis=-1)
+        if empty := int((per_row == 0).sum()):
+            rows = f"{empty} of {per_row.size} table rows"
+            warnings.insert(0, f"{rows} have no labelled object: they are the prior alone")
+        return warnings
 
     def _warning(self, test: IndependenceTest) -> str:
+        """Return a sentence on an assumption that a test rejects."""
         where = " and ".join(str(j + 1) for j in test.positions)
         details = f"p = {test.p:.4f}, {test.scans} scans"
         view = self.model.viewpoints[test.viewpoint]
@@ -112,20 +111,25 @@ def estimate(
     error: float = 0.03,
     note: str = "",
 ) -> Estimate:
-    """Estimate a model.
+    """Estimate a model from labelled scans.
 
     Parameters
     ----------
     scans
-        At least one.
+        The scans, at least one.
     classes, viewpoints
-        Names.
+        Names of the classes and viewpoints.
     smoothing, repeats
         As in `Counts.model`.
     error
-        The wanted standard error of every entry; half the width of a 95 % interval is about twice that.
+        Target standard error of every entry; a 95 % interval extends about two standard errors to each side.
     note
         The model's note.
+
+    Returns
+    -------
+    Estimate
+        The model and its statistics.
 
     Raises
     ------

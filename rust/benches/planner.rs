@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use beltsort_core::{
     Belief, BeliefSearch, Budget, Despot, DespotConfig, EvaluationConfig, ModelSpec, Plan, Result,
-    SortingModel, Threshold, TrueClasses, Viewpoint, evaluate,
+    SortingModel, Threshold, Viewpoint, evaluate,
 };
 use criterion::{BenchmarkId, Criterion, Throughput};
 use rayon::ThreadPoolBuilder;
@@ -67,16 +67,7 @@ fn by_threads(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
 /// Simulated batches with a policy that costs next to nothing.
 fn simulation(criterion: &mut Criterion, model: &SortingModel) -> Result<()> {
     let policy = Threshold::new(model, 0.94, None)?;
-    let config = EvaluationConfig {
-        batches: BATCHES,
-        batch_size: 10,
-        seed: 0,
-        belt_ends: false,
-        viewpoint: Viewpoint(0),
-        true_classes: TrueClasses::Arrival,
-        reference: None,
-        max_looks: 60,
-    };
+    let config = EvaluationConfig { batches: BATCHES, ..EvaluationConfig::default() };
     let mut group = criterion.benchmark_group("evaluate a threshold in batches");
     group.throughput(Throughput::Elements(BATCHES as u64));
     group.bench_function(BATCHES.to_string(), |b| b.iter(|| evaluate(model, model, &policy, &config)));

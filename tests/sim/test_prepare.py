@@ -16,13 +16,13 @@ from beltsort.perception import NearestNeighbour, PerceptionConfig
 from beltsort.sim import CellConfig
 from beltsort.sim import prepare as module
 from beltsort.sim.collect import collect_scans, collect_training
+from beltsort.sim.config import TABLE_OBJECTS
 from beltsort.sim.prepare import (
     ABOUT,
     PACKAGED,
     PIPELINE,
     SCANS,
     SEED,
-    TABLE_OBJECTS,
     Prepared,
     Recipe,
     load,

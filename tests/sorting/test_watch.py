@@ -15,7 +15,7 @@ from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cli.entry_text import EntryFormatter
 from beltsort.errors import CellError
-from beltsort.sorting.audit import befell, steps_of
+from beltsort.sorting.audit import incidents_of, steps_of
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.progress import Progress
@@ -167,7 +167,9 @@ def test_tables_that_change_midway_raise_an_alarm(tmp_path: Path, whole: tuple[S
     assert CHANGE - 1 <= (first.object or 0) < OBJECTS - 20
     assert len(report.drift) == len(drifts(entries))
     steps = list(steps_of(entries))
-    surprised = next(step for step in steps if any(entry.kind == "drift" for entry in befell(entries, step)))
+    surprised = next(
+        step for step in steps if any(entry.kind == "drift" for entry in incidents_of(entries, step))
+    )
     assert (surprised.alarms, surprised.entry.object) == (0, first.object)
     assert steps[-1].alarms == len(report.drift)
 

@@ -1,1 +1,1 @@
-"""What can be put around any device: limits, deadlines, a dry run, faults, a record of its calls."""
+"""Wrappers of devices: validation, timeouts, dry runs, camera poses, bin numbers, a log of calls."""

@@ -1,4 +1,4 @@
-"""Every scan gets the camera's pose in the belt's frame, from whoever knows it best."""
+"""The camera's pose in the belt frame, from the best source available."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -14,24 +14,25 @@ from beltsort.geometry import Pose
 
 
 class CameraPoses(Layer):
-    """Tells where the camera stood, in the belt's frame. One for arm and camera.
+    """Adds the camera's pose in the belt frame to each scan. Arm and camera share one instance.
 
-    1. A camera that knows its pose tells it, in the robot's world. One that does not returns NaN.
-    2. Then the arm is asked where its flange is, after the scan: it stands still until its next command.
-    3. If it does not know, or there is no hand-eye transform, the pose is taken to be that of the viewpoint
-       which the arm reached last.
+    1. If the camera reports its pose in the robot's world frame (other than NaN), that is transformed.
+    2. Otherwise the arm is asked for the pose of its flange after the scan, as it does not move until its
+       next command.
+    3. If the arm does not know it, or there is no hand-eye transform, the pose is assumed to be that of the
+       viewpoint that the arm reached last.
 
     Parameters
     ----------
     viewpoints
         Names of the viewpoints.
     poses
-        The camera's pose at each in the belt's frame, shape (4, 4), or None where only joint angles were
+        The camera's pose at each viewpoint in the belt frame, shape (4, 4), or None if only joint angles were
         taught.
     placement
-        Of belt and camera.
+        Placement of belt and camera.
     flange_pose
-        Asks the arm: see `beltsort.cell.protocols.TellsFlangePose`.
+        Asks the arm for the pose of its flange: see `beltsort.cell.protocols.TellsFlangePose`.
     """
 
     def __init__(
@@ -46,7 +47,7 @@ class CameraPoses(Layer):
         self._reached: int | None = None
 
     def command(self, send: Send, request: Request) -> float:
-        """Pass a command on; a move, and note where it ended."""
+        """Pass a command on, and remember the viewpoint that a move reached."""
         if not isinstance(request.act, MoveTo):
             return send(request)
         self._reached = None
@@ -55,7 +56,7 @@ class CameraPoses(Layer):
         return stopped
 
     def scan(self, take: Take, request: ScanRequest) -> Scan:
-        """Return a scan with the camera's pose in the belt's frame."""
+        """Return a scan with the camera's pose in the belt frame."""
         scan, placement = take(request), self._placement
         if np.isfinite(scan.world_from_camera).all():
             return replace(scan, world_from_camera=placement.in_belt(scan.world_from_camera))

@@ -1,4 +1,4 @@
-"""Every command gets the time that the cell file grants it."""
+"""The timeouts of the cell file."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -10,14 +10,14 @@ from beltsort.geometry import Pose
 
 
 class Deadlines(Layer):
-    """Gives commands their timeouts, whatever the caller says.
+    """Sets the timeout of every command and scan, in place of the caller's.
 
     Parameters
     ----------
     seconds
-        By kind of act.
+        Timeout of each kind of act, seconds.
     scan
-        Of a scan, and of the question where the flange was when it was taken, seconds.
+        Timeout of a scan, and of a query for the flange's pose, seconds.
     """
 
     def __init__(self, seconds: Mapping[type[Act], float], scan: float) -> None:
@@ -28,9 +28,9 @@ class Deadlines(Layer):
         return send(replace(request, timeout=self._seconds[type(request.act)]))
 
     def scan(self, take: Take, request: ScanRequest) -> Scan:
-        """Have a scan taken in its time."""
+        """Pass a request for a scan on with its timeout."""
         return take(replace(request, timeout=self._scan))
 
     def flange_pose(self, ask: Callable[[float], Pose | None], _timeout: float) -> Pose | None:
-        """Ask where the flange is, as long as a scan may take."""
+        """Pass a query for the flange's pose on with the timeout of a scan."""
         return ask(self._scan)

@@ -1,4 +1,4 @@
-"""Commands are said and not carried out."""
+"""Dry runs: commands are printed instead of executed."""
 
 from collections.abc import Callable
 
@@ -9,15 +9,15 @@ Say = Callable[[str], None]
 
 
 class DryRun(Layer):
-    """Moves nothing: says what would be done, and reports it done.
+    """Prints commands instead of sending them, and reports them as done.
 
-    Health and scans are the device's own. As nothing moves, any scan is young enough: the time of every stop
-    is 0.
+    Health and scans are the device's own. Since nothing moves, every scan is recent enough: the time of each
+    stop is 0.
 
     Parameters
     ----------
     say
-        Called with each command in words.
+        Called with a line for each command.
     """
 
     def __init__(self, say: Say) -> None:
@@ -25,7 +25,7 @@ class DryRun(Layer):
         self._done: dict[str, Act] = {}
 
     def command(self, _send: Send, request: Request) -> float:
-        """Say a command, once."""
+        """Print a command, once for each id."""
         act, command_id = request.act, request.command_id
         if command_id not in self._done:
             self._done[command_id] = act
@@ -38,12 +38,12 @@ class DryRun(Layer):
         return 0.0
 
     def outcome_of(self, _ask: Callable[[str], Outcome], command_id: str) -> Outcome:
-        """Tell that what was said was done."""
+        """Return `DONE` for a command that was printed."""
         return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
 
     def stop(self, _stop: Callable[[], None]) -> None:
-        """Do nothing: nothing moves."""
+        """Do nothing, since nothing moves."""
 
     def position(self, _ask: Callable[[], int | None]) -> int | None:
-        """Tell no position: the belt stands wherever it does."""
+        """Return None: the belt's real position is not the run's."""
         return None

@@ -1,4 +1,4 @@
-"""A simulated camera sees what a belt that is not simulated has brought."""
+"""The position of a real belt, for a simulated camera."""
 
 from beltsort.cell.commands import AdvanceTo
 from beltsort.cell.protocols import FollowsBelt
@@ -6,19 +6,19 @@ from beltsort.cell.wrappers.layer import Layer, Request, Send
 
 
 class Follow(Layer):
-    """Tells a simulated world where the belt has come to.
+    """Reports the belt's advances to a simulated world.
 
     Parameters
     ----------
     world
-        What the camera sees.
+        The world that the camera sees.
     """
 
     def __init__(self, world: FollowsBelt) -> None:
         self._world = world
 
     def command(self, send: Send, request: Request) -> float:
-        """Pass a command on; after an advance, the world follows."""
+        """Pass a command on; report an advance to the world."""
         stopped = send(request)
         if isinstance(request.act, AdvanceTo):
             self._world.follow(request.act.object, stopped)

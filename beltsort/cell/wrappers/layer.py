@@ -1,4 +1,4 @@
-"""What can stand between a caller and a device."""
+"""The base class of wrappers: layers between a caller and a device."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ Asked = ParamSpec("Asked")
 Result = TypeVar("Result")
 
 METHODS: dict[type[Act], str] = {MoveTo: "move_to", AdvanceTo: "advance_to", SortInto: "sort"}
-"""What drivers, faults and records of calls call the acts."""
+"""The device's method for each act."""
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,11 @@ class Request:
     Attributes
     ----------
     act
-        What is to be done. A layer may change its target, not its kind.
+        The motion or sort. A layer may change its target, but not its kind.
     command_id
-        Under which the device acts at most once.
+        The device executes it at most once.
     timeout
-        Seconds.
+        Timeout, seconds.
     """
 
     act: Act
@@ -37,14 +37,14 @@ class Request:
 
 @dataclass(frozen=True)
 class ScanRequest:
-    """A scan that is asked for.
+    """A request for a scan.
 
     Attributes
     ----------
     not_before
-        When its exposure may begin, seconds on the cell's clock.
+        Earliest start of the exposure, seconds on the cell's clock.
     timeout
-        Seconds.
+        Timeout, seconds.
     """
 
     not_before: float
@@ -52,15 +52,16 @@ class ScanRequest:
 
 
 Send: TypeAlias = Callable[[Request], float]
-"""Has a command carried out; returns the time of the stop, seconds on the cell's clock; 0 for a sort."""
+"""Executes a command; returns the time of the stop, seconds on the cell's clock, or 0 for a sort."""
 Take: TypeAlias = Callable[[ScanRequest], Scan]
+"""Takes a scan."""
 
 
 class Layer:
-    """Stands between a caller and a device. This one passes every call on; others override what they change.
+    """A layer between a caller and a device. This one passes every call on; subclasses override methods.
 
-    Every method gets what passes the call on, to the next layer and at last to the device, and then what was
-    asked. It returns what the caller gets.
+    The first argument of each method is a function that passes the call on to the next layer or the device;
+    the others are those of the call. The method returns the result for the caller.
     """
 
     def command(self, send: Send, request: Request) -> float:
@@ -68,27 +69,27 @@ class Layer:
         return send(request)
 
     def scan(self, take: Take, request: ScanRequest) -> Scan:
-        """Pass on that a scan is to be taken."""
+        """Pass a request for a scan on."""
         return take(request)
 
     def outcome_of(self, ask: Callable[[str], Outcome], command_id: str) -> Outcome:
-        """Pass on the question what became of a command."""
+        """Pass a query for the outcome of a command on."""
         return ask(command_id)
 
     def health(self, ask: Callable[[], Health]) -> Health:
-        """Pass on the question how the device is."""
+        """Pass a query for the device's health on."""
         return ask()
 
     def stop(self, stop: Callable[[], None]) -> None:
-        """Pass on that every motion is to end."""
+        """Pass a stop on."""
         stop()
 
     def flange_pose(self, ask: Callable[[float], Pose | None], timeout: float) -> Pose | None:
-        """Pass on the question where the arm's flange is."""
+        """Pass a query for the pose of the arm's flange on."""
         return ask(timeout)
 
     def position(self, ask: Callable[[], int | None]) -> int | None:
-        """Pass on the question where the belt stands."""
+        """Pass a query for the belt's position on."""
         return ask()
 
 
@@ -97,16 +98,16 @@ def through(
     method: Callable[[Layer], Callable[Concatenate[Callable[Asked, Result], Asked], Result]],
     device: Callable[Asked, Result],
 ) -> Callable[Asked, Result]:
-    """Return a call of a device that goes through layers, the first outermost.
+    """Return a function that calls a device's method through layers.
 
     Parameters
     ----------
     layers
-        Around the device.
+        The layers around the device, the outermost first.
     method
-        Which of a layer's methods gets the call.
+        Selects the method of a layer that receives the call.
     device
-        The device's own.
+        The device's method.
     """
     call = device
     for layer in reversed(layers):

@@ -1,4 +1,4 @@
-"""Commands that make no sense never reach a device."""
+"""Validation of commands before they reach a device."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ from beltsort.cell.wrappers.layer import Layer, Request, Send
 
 
 class Limits(Layer):
-    """Refuses unknown viewpoints, labels without a bin, and belts that run backwards.
+    """Rejects unknown viewpoints, labels without a bin, and backward advances of the belt.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ class Limits(Layer):
         self._index = 0
 
     def command(self, send: Send, request: Request) -> float:
-        """Pass a command on if it makes sense."""
+        """Pass a valid command on; reject others."""
         match request.act:
             case MoveTo(viewpoint):
                 _check_index("viewpoint", viewpoint, self._viewpoints)

@@ -1,4 +1,4 @@
-"""A record of every call, with its time."""
+"""A log of device calls, with their times."""
 
 import time
 from collections.abc import Callable
@@ -20,7 +20,7 @@ class Call:
     Attributes
     ----------
     name
-        The method's: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop`, `outcome_of`,
+        The method: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop`, `outcome_of`,
         `flange_pose` or `position`.
     target
         Viewpoint, index, label, or the scan's `not_before`; None if the method has none.
@@ -43,15 +43,15 @@ class Recorded:
     Attributes
     ----------
     device
-        Whose: `arm`, `camera`, `belt` or `sorter`.
+        The device: `arm`, `camera`, `belt` or `sorter`.
     call
-        What was asked.
+        Method and arguments.
     began
-        When, seconds since the epoch.
+        Start of the call, seconds since the epoch.
     seconds
-        How long it took.
+        Duration of the call, seconds.
     error
-        What it raised, in words; None if it ended well.
+        `repr` of the exception that it raised; None if there was none.
     """
 
     device: str
@@ -62,18 +62,18 @@ class Recorded:
 
 
 class Recorder(Layer):
-    """Tells of every call when it has ended.
+    """Reports every call when it has ended.
 
     Parameters
     ----------
     device
-        Whose calls these are.
+        Name of the device.
     tell
         Called with each call; `list.append` for example.
     """
 
-    def __init__(self, device: str, tell: Callable[[Recorded], None]) -> None:
-        self._device, self._tell = device, tell
+    def __init__(self, device: str, report: Callable[[Recorded], None]) -> None:
+        self._device, self._report = device, report
 
     def command(self, send: Send, request: Request) -> float:
         """Record a command."""
@@ -86,11 +86,11 @@ class Recorder(Layer):
         return self._recorded(call, lambda: take(request))
 
     def outcome_of(self, ask: Callable[[str], Outcome], command_id: str) -> Outcome:
-        """Record a question."""
+        """Record a query."""
         return self._recorded(Call("outcome_of", command_id=command_id), lambda: ask(command_id))
 
     def health(self, ask: Callable[[], Health]) -> Health:
-        """Record a question."""
+        """Record a query."""
         return self._recorded(Call("health"), ask)
 
     def stop(self, stop: Callable[[], None]) -> None:
@@ -98,11 +98,11 @@ class Recorder(Layer):
         self._recorded(Call("stop"), stop)
 
     def flange_pose(self, ask: Callable[[float], Pose | None], timeout: float) -> Pose | None:
-        """Record a question."""
+        """Record a query."""
         return self._recorded(Call("flange_pose", timeout=timeout), lambda: ask(timeout))
 
     def position(self, ask: Callable[[], int | None]) -> int | None:
-        """Record a question."""
+        """Record a query."""
         return self._recorded(Call("position"), ask)
 
     def _recorded(self, call: Call, act: Callable[[], Result]) -> Result:
@@ -114,4 +114,4 @@ class Recorder(Layer):
             error = repr(failure)
             raise
         finally:
-            self._tell(Recorded(self._device, call, began, time.perf_counter() - start, error))
+            self._report(Recorded(self._device, call, began, time.perf_counter() - start, error))

@@ -1,4 +1,4 @@
-"""Devices with layers around them."""
+"""Devices wrapped in layers."""
 
 from typing import Generic, TypeVar
 
@@ -23,33 +23,33 @@ AnyActuator = TypeVar("AnyActuator", bound=Actuator)
 
 
 class _Wrapped(Generic[AnyDevice]):
-    """What every device can do.
+    """A wrapped device.
 
     Parameters
     ----------
     device
-        What is wrapped.
+        The device.
     *layers
-        Get every call, the first before the others.
+        The layers around it, the outermost first.
     """
 
     def __init__(self, device: AnyDevice, *layers: Layer) -> None:
         self._device, self._layers = device, layers
 
     def health(self) -> Health:
-        """Say how it is."""
+        """Return the device's health."""
         return through(self._layers, lambda layer: layer.health, self._device.health)()
 
     def stop(self) -> None:
-        """End every motion now."""
+        """Stop every motion now."""
         through(self._layers, lambda layer: layer.stop, self._device.stop)()
 
 
 class _WrappedActuator(_Wrapped[AnyActuator]):
-    """What every actuator can do."""
+    """A wrapped actuator."""
 
     def outcome_of(self, command_id: str, boot_id: str = "", /) -> Outcome:
-        """Tell what became of a command."""
+        """Return the outcome of a command."""
 
         def ask(known_as: str, /) -> Outcome:
             return self._device.outcome_of(known_as, boot_id)
@@ -62,10 +62,10 @@ class _WrappedActuator(_Wrapped[AnyActuator]):
 
 
 class WrappedArm(_WrappedActuator[Arm]):
-    """An arm."""
+    """A wrapped arm."""
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring the camera to `viewpoint`."""
+        """Move the camera to `viewpoint`."""
 
         def move(request: Request) -> float:
             return self._device.move_to(request.act.target, request.command_id, timeout=request.timeout)
@@ -73,7 +73,7 @@ class WrappedArm(_WrappedActuator[Arm]):
         return self._command(move, MoveTo(viewpoint), command_id, timeout)
 
     def flange_pose(self, *, timeout: float = TIMEOUT) -> Pose | None:
-        """Return the flange's pose in the robot's world, or None if the arm does not tell it."""
+        """Return the flange's pose in the robot's world frame, or None if the arm does not report it."""
         arm = self._device
         if not isinstance(arm, TellsFlangePose):
             return None
@@ -85,10 +85,10 @@ class WrappedArm(_WrappedActuator[Arm]):
 
 
 class WrappedBelt(_WrappedActuator[Belt]):
-    """A belt."""
+    """A wrapped belt."""
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring object number `index` to the belt end."""
+        """Advance the belt until object `index` is at its end."""
 
         def advance(request: Request) -> float:
             return self._device.advance_to(request.act.target, request.command_id, timeout=request.timeout)
@@ -96,14 +96,14 @@ class WrappedBelt(_WrappedActuator[Belt]):
         return self._command(advance, AdvanceTo(index), command_id, timeout)
 
     def position(self) -> int | None:
-        """Return the number of the object at the belt end, `NOWHERE`, or None if the belt does not tell."""
+        """Return the number of the object at the belt end, `NOWHERE`, or None if it is not reported."""
         if not isinstance(self._device, TellsPosition):
             return None
         return through(self._layers, lambda layer: layer.position, self._device.position)()
 
 
 class WrappedSorter(_WrappedActuator[Sorter]):
-    """A sorter."""
+    """A wrapped sorter."""
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into a bin."""
@@ -116,7 +116,7 @@ class WrappedSorter(_WrappedActuator[Sorter]):
 
 
 class WrappedCamera(_Wrapped[DepthCamera]):
-    """A camera."""
+    """A wrapped camera."""
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         """Return a scan."""

@@ -1,19 +1,20 @@
-"""The client of a controller: a belt and a sorter in one device, over any `Link`."""
+"""The client of a controller that drives belt and sorter, over any `Link`."""
 
 import time
 from collections.abc import Callable
 
 from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import NOWHERE, Health
+from beltsort.drivers.deadline import Deadline, checked_deadline
 from beltsort.drivers.fieldbus.link import RequestBody
-from beltsort.drivers.fieldbus.reconnecting import Connect, Deadline, ReconnectingLink
+from beltsort.drivers.fieldbus.reconnecting import Connect, ReconnectingLink
 from beltsort.drivers.fieldbus.wire import NEED_HOME, OUTCOMES, Phase, Reason, Reply, Verb, explained, key_of
 
 COMMAND_POLL = 0.02
 """Interval at which a running command is polled, seconds."""
 
-LAST_LOOK = 0.05
-"""Time before a deadline from which on no further poll is started, seconds."""
+LAST_POLL = 0.05
+"""No poll is started within this time before the deadline, seconds."""
 
 
 class FieldbusDevice:
@@ -41,14 +42,15 @@ class FieldbusDevice:
         self.address = address
         self._name = f"the controller at {address}"
         self._clock = clock
-        self._sent: dict[str, tuple[int, int]] = {}  # (boot, forgotten) before each command that is not done
+        # For each command not known to be done: boot id and number of forgotten commands before it was sent.
+        self._sent: dict[str, tuple[int, int]] = {}
 
     def connect(self) -> None:
         """Connect now, to detect errors early."""
         self.health()
 
     def close(self) -> None:
-        """Close the connection; another call would open a new one."""
+        """Close the connection; the next call opens a new one."""
         self._link.close()
 
     def health(self) -> Health:
@@ -73,12 +75,12 @@ class FieldbusDevice:
         Call this only after an operator has checked it: when the controller was started, or after a fault.
         """
         what = f"homing to object {index}"
-        self._check(self._ask(RequestBody(Verb.HOME, index), Deadline(timeout), what), what)
+        self._check(self._ask(RequestBody(Verb.HOME, index), checked_deadline(timeout), what), what)
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        """Bring object `index` to the belt end; return the time at which the belt stopped.
+        """Advance the belt until object `index` is at the belt end; return the time at which it stopped.
 
-        The time is in seconds on the cell's clock, and never too early.
+        The time is in seconds on the cell's clock; the delay of the reply can only make it too late.
         """
         body = RequestBody(Verb.ADVANCE, index, key_of(command_id))
         return self._command(body, command_id, f"the advance to object {index}", timeout)
@@ -95,8 +97,8 @@ class FieldbusDevice:
     def outcome_of(self, command_id: str, boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command.
 
-        `NOT_DONE` is final, since the controller ignores requests that are delivered after this one. An id
-        that the controller does not remember is `NOT_DONE` only if it cannot have been forgotten.
+        `NOT_DONE` is final: the controller ignores earlier requests that arrive after this one. For an id
+        that it does not remember, the outcome is `NOT_DONE` if it cannot have forgotten it, else `UNKNOWN`.
         """
         what = f"asking for the outcome of {command_id!r}"
         recall = RequestBody(Verb.RECALL, key=key_of(command_id))
@@ -110,13 +112,13 @@ class FieldbusDevice:
         return Outcome.NOT_DONE if never_arrived else Outcome.UNKNOWN
 
     def _command(self, body: RequestBody, command_id: str, what: str, timeout: float) -> float:
-        """Execute a command; return the time at which it ended, seconds on the cell's clock."""
-        deadline, recall = Deadline(timeout), RequestBody(Verb.RECALL, key=body.key)
+        """Send a command and wait for its end; return the time of its end, seconds on the cell's clock."""
+        deadline, recall = checked_deadline(timeout), RequestBody(Verb.RECALL, key=body.key)
         lost = Outcome.UNKNOWN if command_id in self._sent else Outcome.NOT_DONE
         self._check_repeatable(command_id, self._ask(recall, deadline, what, lost), what)
         reply = self._send_command(body, deadline, what)
         while reply.phase is Phase.RUNNING:
-            if deadline.left < LAST_LOOK:
+            if deadline.left() < LAST_POLL:
                 raise CommandError(
                     f"{what} is still running after {timeout:g} s, expected its end; stop it, or wait and "
                     "ask for its outcome",
@@ -129,7 +131,7 @@ class FieldbusDevice:
         return self._clock() - reply.age / 1000.0
 
     def _check_repeatable(self, command_id: str, before: Reply, what: str) -> None:
-        """Reject a repeated command that may have been executed and forgotten since it was first sent."""
+        """Raise an error for a repeated command that may have been executed and then forgotten."""
         state = (before.boot, before.forgotten)
         if self._sent.setdefault(command_id, state) != state and before.phase is Phase.FORGOTTEN:
             raise CommandError(
@@ -139,7 +141,7 @@ class FieldbusDevice:
             )
 
     def _check(self, reply: Reply, what: str) -> None:
-        """Raise an error with the controller's reason if a command is not done."""
+        """Raise an error with the controller's reason unless the command is done."""
         if reply.phase is Phase.DONE:
             return
         if reply.phase is Phase.FORGOTTEN:

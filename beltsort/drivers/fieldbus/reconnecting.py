@@ -3,11 +3,11 @@
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from math import isfinite
 from threading import Lock
 from typing import TypeAlias
 
-from beltsort.cell.commands import CommandError, Outcome, within
+from beltsort.cell.commands import within
+from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.fieldbus.link import Conversation, Link, RequestBody
 from beltsort.drivers.fieldbus.wire import Reply
 
@@ -18,28 +18,8 @@ Connect: TypeAlias = Callable[[float], Link]
 HANDSHAKE = 5.0
 """Timeout of connecting as a multiple of that of a reply, since it exchanges several messages."""
 
-
-class Deadline:
-    """The end of a timeout, seconds."""
-
-    def __init__(self, timeout: float) -> None:
-        if not (isfinite(timeout) and timeout > 0.0):
-            raise CommandError(
-                f"timeout is {timeout}, expected a finite number of seconds above 0; give one",
-                Outcome.NOT_DONE,
-            )
-        self.timeout = timeout
-        self._end = time.monotonic() + timeout
-
-    @property
-    def left(self) -> float:
-        """Seconds until the deadline, at least 1 ms, so that the last attempt may still succeed."""
-        return max(1e-3, self._end - time.monotonic())
-
-    @property
-    def over(self) -> bool:
-        """Whether the time is over."""
-        return time.monotonic() >= self._end
+LAST_ATTEMPT = 1e-3
+"""Timeout of what is tried at the deadline, seconds, so that it may still succeed."""
 
 
 class ReconnectingLink:
@@ -71,16 +51,16 @@ class ReconnectingLink:
 
     def send(self, body: RequestBody, deadline: Deadline) -> Reply:
         """Send a request once, over the open connection or a new one; raises the library's exceptions."""
-        if not self._lock.acquire(timeout=deadline.left):
+        if not self._lock.acquire(timeout=_left(deadline)):
             raise TimeoutError(
                 f"another thread's request took longer than {deadline.timeout:g} s; retry, or give a longer "
                 "timeout"
             )
         try:
             if self._conversation is None:
-                self._conversation = self._connected(min(HANDSHAKE * self._answer_timeout, deadline.left))
+                self._conversation = self._connected(min(HANDSHAKE * self._answer_timeout, _left(deadline)))
             conversation = self._conversation
-            seconds = min(self._answer_timeout, deadline.left)
+            seconds = min(self._answer_timeout, _left(deadline))
             return within(seconds, "the answer", lambda: conversation.ask(body, seconds))
         except BaseException:
             self._close_connection()
@@ -115,3 +95,7 @@ class ReconnectingLink:
             self._sent = self._conversation.sequence
             self._conversation.close()
             self._conversation = None
+
+
+def _left(deadline: Deadline) -> float:
+    return max(LAST_ATTEMPT, deadline.left())

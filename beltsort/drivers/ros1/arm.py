@@ -3,12 +3,13 @@
 from threading import Lock
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
+from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.joints import distance, joints_text
 from beltsort.drivers.ros.ledger import Ledger
 from beltsort.drivers.ros1.camera import joints_of
 from beltsort.drivers.ros1.commanding import Outgoing, commanding
 from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
-from beltsort.drivers.ros1.link import Deadline, Link
+from beltsort.drivers.ros1.link import Link
 from beltsort.drivers.ros1.options import Ros1ArmOptions
 from beltsort.drivers.ros1.standstill import Motion, Standstill
 from beltsort.errors import CellError

@@ -2,9 +2,10 @@
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import NOWHERE
+from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.ledger import Ledger
 from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
-from beltsort.drivers.ros1.link import Deadline, Link
+from beltsort.drivers.ros1.link import Link
 from beltsort.drivers.ros1.options import Ros1BeltOptions
 from beltsort.errors import CellError
 

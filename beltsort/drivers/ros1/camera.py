@@ -6,11 +6,12 @@ import numpy as np
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import Scan
+from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.checks import check_pose
 from beltsort.drivers.ros.clouds import Cloud, points_of
 from beltsort.drivers.ros.joints import joints_text, standing_at
 from beltsort.drivers.ros1.device import Received, Ros1Device
-from beltsort.drivers.ros1.link import Deadline, Link
+from beltsort.drivers.ros1.link import Link
 from beltsort.drivers.ros1.options import Ros1CameraOptions
 from beltsort.errors import CellError
 from beltsort.geometry import Pose

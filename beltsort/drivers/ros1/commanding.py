@@ -3,8 +3,9 @@
 from typing import Any, Protocol
 from uuid import uuid4
 
+from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.joints import Joints
-from beltsort.drivers.ros1.link import Deadline, Link
+from beltsort.drivers.ros1.link import Link
 from beltsort.drivers.ros1.options import Ros1ArmOptions
 from beltsort.drivers.ros1.status import RUNNING, SUCCEEDED
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import Health
-from beltsort.drivers.ros1.link import GRACE, Deadline, Link
+from beltsort.drivers.deadline import Deadline
+from beltsort.drivers.ros1.link import GRACE, Link
 from beltsort.drivers.ros1.master import node_pid
 from beltsort.drivers.ros1.options import Ros1ActuatorOptions
 from beltsort.geometry import Pose

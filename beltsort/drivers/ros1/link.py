@@ -1,12 +1,12 @@
 """A link to a node in another process, with deadlines and restarts."""
 
-import time
 from collections.abc import Iterable
 from threading import RLock
 from typing import Any
 from uuid import uuid4
 
 from beltsort.cell.commands import CommandError, Outcome
+from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros1.master import Master
 from beltsort.drivers.ros1.options import Ros1Options
 from beltsort.drivers.ros1.process import Answer, NodeProcess
@@ -19,23 +19,6 @@ START_TIMEOUT = 20.0
 
 GRACE = 1.0
 """Time by which the node may miss a deadline before it is considered to hang, seconds."""
-
-
-class Deadline:
-    """The end of a timeout, seconds.
-
-    Examples
-    --------
-    >>> Deadline(10.0).left() <= 10.0
-    True
-    """
-
-    def __init__(self, timeout: float) -> None:
-        self._end = time.monotonic() + timeout
-
-    def left(self) -> float:
-        """Return the seconds that are left, 0 when it is over."""
-        return max(0.0, self._end - time.monotonic())
 
 
 class Link:

@@ -14,7 +14,7 @@ FOUND = 1
 """Status code of success."""
 
 
-class _Deadline(Transport):
+class _TimedTransport(Transport):
     def __init__(self, timeout: float) -> None:
         super().__init__()
         self._timeout = timeout
@@ -85,5 +85,5 @@ def _call(uri: str, who: str, timeout: float, ask: Callable[[Any], Result]) -> R
 
 
 def _asked(uri: str, timeout: float, ask: Callable[[Any], Result]) -> Result:
-    with ServerProxy(uri, transport=_Deadline(timeout)) as proxy:
+    with ServerProxy(uri, transport=_TimedTransport(timeout)) as proxy:
         return ask(proxy)

@@ -19,7 +19,7 @@ from beltsort.drivers.ros.frames import Frames
 from beltsort.drivers.ros1.messages import message_class
 from beltsort.errors import CellError
 
-GOODBYE = 1.0
+UNREGISTER_TIMEOUT = 1.0
 """Timeout of unregistering from the master, seconds."""
 
 RECEIVE_BUFFER = 2**25
@@ -209,7 +209,7 @@ def main() -> None:
         if rospy is not None:
             leaving = threading.Thread(target=rospy.signal_shutdown, args=("done",), daemon=True)
             leaving.start()
-            leaving.join(GOODBYE)
+            leaving.join(UNREGISTER_TIMEOUT)
     os._exit(0)  # rospy's threads may block without a timeout
 
 

@@ -3,9 +3,10 @@
 from itertools import count, takewhile
 
 from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
+from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.ledger import Ledger
 from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
-from beltsort.drivers.ros1.link import Deadline, Link
+from beltsort.drivers.ros1.link import Link
 from beltsort.drivers.ros1.options import Ros1SorterOptions
 from beltsort.drivers.ros1.status import REFUSED, RUNNING, SUCCEEDED
 from beltsort.errors import CellError

@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 use crate::error::{Result, argument_error};
 use crate::model::SortingModel;
 
+/// Scenarios of a planner that is given no number of them.
+pub const DEFAULT_SCENARIOS: usize = 500;
 /// More scenarios than any belief needs; they must fit into memory.
 const MOST_SCENARIOS: usize = 1_000_000;
 /// The default depth is where discounting leaves this much of a reward.
@@ -48,7 +50,7 @@ pub struct DespotConfig {
 
 impl Default for DespotConfig {
     fn default() -> Self {
-        Self { scenarios: 500, seed: 0, regularization: 0.0, depth: None }
+        Self { scenarios: DEFAULT_SCENARIOS, seed: 0, regularization: 0.0, depth: None }
     }
 }
 
@@ -56,7 +58,7 @@ impl DespotConfig {
     pub(crate) fn check(&self) -> Result<()> {
         if !(1..=MOST_SCENARIOS).contains(&self.scenarios) {
             return argument_error(format!(
-                "scenarios = {}; give between 1 and {MOST_SCENARIOS}, 500 for example",
+                "scenarios = {}; give between 1 and {MOST_SCENARIOS}, {DEFAULT_SCENARIOS} for example",
                 self.scenarios
             ));
         }

@@ -26,14 +26,20 @@ mod testing;
 
 pub use belief::Belief;
 pub use cloud::{Distances, VFH_BINS, VfhOptions, clusters, lzf_decompress, vfh};
-pub use config::{Budget, DespotConfig};
+pub use config::{Budget, DEFAULT_SCENARIOS, DespotConfig};
 pub use despot::{BudgetedDespot, Despot};
 pub use error::{Error, Result};
 pub use index::{Class, Label, Position, Viewpoint};
-pub use model::{Action, Look, ModelSpec, ScalarOrMatrix, SortingModel, Tables};
-pub use offline::Solution;
+pub use model::{
+    Action, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Look, ModelSpec, ScalarOrMatrix, SortingModel,
+    Tables,
+};
+pub use offline::{DEFAULT_SOLVE_SECONDS, Solution};
 pub use one_object::OneObjectPolicy;
 pub use plan::Plan;
 pub use policy::{InformationGain, OneObject, Policy, Threshold};
 pub use search::{BeliefSearch, BudgetedSearch, LookAhead, TreeAction, TreeBranch, TreeNode};
-pub use simulate::{Evaluation, EvaluationConfig, Statistics, TrueClasses, evaluate};
+pub use simulate::{
+    DEFAULT_BATCH_SIZE, DEFAULT_BATCHES, DEFAULT_MAX_LOOKS, Evaluation, EvaluationConfig,
+    MAX_IMPOSSIBLE_LABELS, Statistics, TrueClasses, evaluate,
+};

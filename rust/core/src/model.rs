@@ -12,7 +12,7 @@ use std::fmt;
 use nalgebra::{DMatrix, DVector};
 
 pub use likelihood::Look;
-pub use spec::{ModelSpec, ScalarOrMatrix, Tables};
+pub use spec::{DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, ScalarOrMatrix, Tables};
 pub(crate) use step::{Step, shift};
 pub(crate) use validate::distribution;
 

@@ -43,6 +43,8 @@ use prices::PricedBound;
 use upper::GridBound;
 use watch::{Progress, Watch};
 
+/// Wall-clock time of a solution that is given none, seconds.
+pub const DEFAULT_SOLVE_SECONDS: f64 = 60.0;
 /// Label vectors of a scan that can be enumerated.
 const MOST_LABELS: u64 = 4096;
 /// What rounding and the merging of nearly equal beliefs may move a bound by, as a part of `r_max`.
@@ -104,7 +106,9 @@ impl Solution {
     ) -> Result<Self> {
         model.check_plain()?;
         if time.is_zero() {
-            return argument_error("seconds = 0; give a time above 0, 60 for example");
+            return argument_error(format!(
+                "seconds = 0; give a time above 0, {DEFAULT_SOLVE_SECONDS} for example"
+            ));
         }
         let arrival = Belief::new(model).as_slice().to_vec();
         let policy = OneObjectPolicy::solve(model);

@@ -18,6 +18,14 @@ use crate::policy::Policy;
 use batch::Batch;
 pub use evaluation::{Evaluation, Statistics};
 
+/// Batches of an evaluation that is given no number of them.
+pub const DEFAULT_BATCHES: usize = 1000;
+/// Decisions per batch, likewise; ten in the paper.
+pub const DEFAULT_BATCH_SIZE: usize = 10;
+/// Looks at one object after which it is decided, likewise.
+pub const DEFAULT_MAX_LOOKS: usize = 60;
+/// Impossible labels of one object in a row after which it is decided.
+pub const MAX_IMPOSSIBLE_LABELS: usize = 3;
 /// Batches, and objects of a batch, are fewer than this: together they number a stream of randoms.
 const LIMIT: usize = 1 << 31;
 
@@ -51,6 +59,21 @@ pub struct EvaluationConfig {
     pub max_looks: usize,
     /// What the policy's regret is measured against.
     pub reference: Option<Arc<Solution>>,
+}
+
+impl Default for EvaluationConfig {
+    fn default() -> Self {
+        Self {
+            batches: DEFAULT_BATCHES,
+            batch_size: DEFAULT_BATCH_SIZE,
+            seed: 0,
+            belt_ends: false,
+            viewpoint: Viewpoint(0),
+            true_classes: TrueClasses::Arrival,
+            max_looks: DEFAULT_MAX_LOOKS,
+            reference: None,
+        }
+    }
 }
 
 /// Simulate a policy: `model` updates the belief and gives the rewards, `truth` draws classes and labels.

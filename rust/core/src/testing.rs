@@ -1,4 +1,4 @@
-//! Models and oracles for the tests of several rooms.
+//! Models and oracles for the tests of several modules.
 
 mod exact;
 

@@ -30,7 +30,8 @@ use crate::model::PySortingModel;
 ///     a belief is rebuilt from its record. Labels that the model cannot repeat are forgotten.
 /// remaining : int, optional
 ///     Objects left to decide, the one at the belt end included; missing for a belt that never ends. Planners
-///     that heed it (`Despot`, `OneObject`) look longer at the last objects, behind which nothing waits.
+///     that take it into account (`Despot`, `LookAhead`, `OneObject`) look longer at the last objects, which
+///     delay no others.
 ///
 /// Raises
 /// ------

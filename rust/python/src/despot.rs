@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use beltsort_core::{
-    Action, Belief, BeliefSearch, Budget, BudgetedDespot, BudgetedSearch, Despot, DespotConfig, Plan, Policy,
-    Result, SortingModel, Viewpoint,
+    Action, Belief, BeliefSearch, Budget, BudgetedDespot, BudgetedSearch, DEFAULT_SCENARIOS, Despot,
+    DespotConfig, Plan, Policy, Result, SortingModel, Viewpoint,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -43,7 +43,7 @@ use crate::solution::PySolution;
 /// ----------
 /// model : SortingModel
 ///     The problem. A scan has L^H outcomes: each further position multiplies the tree by up to L.
-/// scenarios : int
+/// scenarios : int, default 500
 ///     Number of scenarios. Too few leave likely labels without a branch, or, of the variant "scenarios", are
 ///     overfitted; too many leave the tree shallow under a budget of time.
 /// seed : int
@@ -180,7 +180,7 @@ impl PyDespot {
 #[pymethods]
 impl PyDespot {
     #[new]
-    #[pyo3(signature = (model, *, scenarios=500, seed=0, threads=None, seconds=None, trials=None,
+    #[pyo3(signature = (model, *, scenarios=DEFAULT_SCENARIOS as Whole, seed=0, threads=None, seconds=None, trials=None,
                         regularization=None, depth=None, solution=None, variant="beliefs"))]
     #[allow(clippy::too_many_arguments)] // the public contract
     fn new(
@@ -199,7 +199,7 @@ impl PyDespot {
         let config = DespotConfig {
             scenarios: count("scenarios", scenarios)?,
             seed: convert::seed(seed)?,
-            regularization: regularization.unwrap_or(0.0),
+            regularization: regularization.unwrap_or(DespotConfig::default().regularization),
             depth: depth.map(|d| count("depth", d)).transpose()?,
         };
         let budget = budget(seconds, trials)?.unwrap_or(budget::DEFAULT);

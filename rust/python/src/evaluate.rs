@@ -35,9 +35,9 @@ use crate::user_policy::UserPolicy;
 ///     ``act(belief, viewpoint)`` that
 ///     returns a `Move` or a `Decide`. Such an object is asked from one thread, and its exceptions pass
 ///     through unchanged.
-/// batches : int
+/// batches : int, default 1000
 ///     Number of batches. Standard errors shrink with its square root only.
-/// batch_size : int
+/// batch_size : int, default 10
 ///     Decisions per batch; each batch starts from the arrival prior.
 /// seed : int
 ///     Seed of classes and labels. A seed that a policy was tuned on flatters it.
@@ -51,7 +51,7 @@ use crate::user_policy::UserPolicy;
 /// truth : SortingModel, optional
 ///     Draws classes and labels, repeated ones by its own `repeat`; `model` if missing. Its H, K and L must be
 ///     those of `model`.
-/// max_looks : int
+/// max_looks : int, default 60
 ///     An object looked at this often is decided as its most likely class. Too large, and a policy that never
 ///     decides never ends.
 /// reference : Solution, optional
@@ -60,7 +60,7 @@ use crate::user_policy::UserPolicy;
 ///     (`Solution.values_actions`), and belts that never end.
 /// belt_ends : bool
 ///     Whether the belt ends with the batch, and the beliefs that the policy is asked with tell how many
-///     objects are left (`Belief.remaining`); `Despot`, `LookAhead` and `OneObject` heed it.
+///     objects are left (`Belief.remaining`); `Despot`, `LookAhead` and `OneObject` take it into account.
 ///
 /// Returns
 /// -------
@@ -84,8 +84,9 @@ use crate::user_policy::UserPolicy;
 /// >>> result.summary()["steps"]
 /// {'mean': 20.0, 'standard_error': 0.0}
 #[pyfunction]
-#[pyo3(signature = (model, policy, *, batches=1000, batch_size=10, seed=0, threads=None, viewpoint=0,
-                    true_classes=None, truth=None, max_looks=60, reference=None, belt_ends=false))]
+#[pyo3(signature = (model, policy, *, batches=core::DEFAULT_BATCHES as Whole,
+                    batch_size=core::DEFAULT_BATCH_SIZE as Whole, seed=0, threads=None, viewpoint=0,
+                    true_classes=None, truth=None, max_looks=core::DEFAULT_MAX_LOOKS as Whole, reference=None, belt_ends=false))]
 #[allow(clippy::too_many_arguments)] // the public contract
 pub fn evaluate(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! The Python face of `beltsort-core`: one file per public type, no logic.
+//! The Python bindings of `beltsort-core`: one file per public type, no logic.
 
 // Python shows these docs: they are numpydoc, not Markdown.
 #![allow(clippy::doc_markdown, clippy::doc_link_with_quotes)]
@@ -8,6 +8,7 @@ mod belief;
 mod budget;
 mod clusters;
 mod convert;
+mod defaults;
 mod despot;
 mod errors;
 mod evaluate;
@@ -44,6 +45,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(vfh::vfh, module)?)?;
     module.add_function(wrap_pyfunction!(clusters::clusters, module)?)?;
     module.add_function(wrap_pyfunction!(lzf::lzf_decompress, module)?)?;
+    defaults::register(module)?;
     module.add("VFH_BINS", beltsort_core::VFH_BINS)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("BUILD_PROFILE", if cfg!(debug_assertions) { "debug" } else { "release" })

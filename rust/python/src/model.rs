@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use beltsort_core::{ModelSpec, Position, SortingModel, Viewpoint};
+use beltsort_core::{
+    DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, Position, SortingModel, Viewpoint,
+};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4};
 use pyo3::prelude::*;
@@ -34,7 +36,8 @@ impl PySortingModel {
 #[pymethods]
 impl PySortingModel {
     #[new]
-    #[pyo3(signature = (classes, viewpoints, p_obs, *, r_max=10.0, r_min=50.0, motion_cost=None, discount=0.95,
+    #[pyo3(signature = (classes, viewpoints, p_obs, *, r_max=DEFAULT_R_MAX, r_min=DEFAULT_R_MIN, motion_cost=None,
+                        discount=DEFAULT_DISCOUNT,
                         arrival=None, travel=None, observe_after_decision=false, repeat=None,
                         information_gain=0.0, empty=None, counts=None, smoothing=None, note=""))]
     #[allow(clippy::too_many_arguments)] // the keys of a model file

@@ -125,7 +125,7 @@ impl PyPlan {
     /// ------
     /// ArgumentError
     ///     For a depth below 0 or above 1000, or a plan of `Despot(variant="scenarios")`, which keeps no tree.
-    #[pyo3(signature = (depth=2))]
+    #[pyo3(signature = (depth=plan_tree::DEFAULT_DEPTH as Whole))]
     fn tree<'py>(&self, py: Python<'py>, depth: Whole) -> PyResult<Bound<'py, PyDict>> {
         let tree = self.0.tree(plan_tree::depth(depth)?).ok_or_else(|| {
             ArgumentError::new_err(

@@ -7,6 +7,8 @@ use pyo3::types::{PyDict, PyList};
 use crate::convert::Whole;
 use crate::errors::ArgumentError;
 
+/// Planner steps to show, if not given.
+pub const DEFAULT_DEPTH: usize = 2;
 /// As deep as a search goes.
 const DEEPEST: usize = 1000;
 
@@ -14,7 +16,7 @@ const DEEPEST: usize = 1000;
 pub fn depth(value: Whole) -> PyResult<usize> {
     usize::try_from(value).ok().filter(|depth| *depth <= DEEPEST).ok_or_else(|| {
         ArgumentError::new_err(format!(
-            "depth = {value}; give the planner steps to show, 0 to {DEEPEST}, 2 for example"
+            "depth = {value}; give the planner steps to show, 0 to {DEEPEST}, {DEFAULT_DEPTH} for example"
         ))
     })
 }

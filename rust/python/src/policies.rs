@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use beltsort_core::{DespotConfig, InformationGain, LookAhead, OneObject, Policy, SortingModel, Threshold};
+use beltsort_core::{
+    DEFAULT_SCENARIOS, DespotConfig, InformationGain, LookAhead, OneObject, Policy, SortingModel, Threshold,
+};
 use pyo3::prelude::*;
 
 use crate::actions;
@@ -10,6 +12,11 @@ use crate::belief::PyBelief;
 use crate::convert::{self, Whole, count};
 use crate::errors::to_python;
 use crate::model::PySortingModel;
+
+/// Positions whose information counts, if not given.
+pub const DEFAULT_INFORMATION_POSITIONS: usize = 1;
+/// Planner steps of a look-ahead, if not given.
+pub const DEFAULT_LOOK_AHEAD_DEPTH: usize = 1;
 
 /// Look from one viewpoint until the belt end's most likely class is likely enough.
 ///
@@ -89,7 +96,7 @@ impl PyThreshold {
 ///     The problem.
 /// threshold : float
 ///     As for `Threshold`.
-/// positions : int
+/// positions : int, default 1
 ///     The gain of a look is the expected drop of entropy, summed over this many positions from the belt end,
 ///     1 to H. With many, objects far from their decision outvote the one at the belt end.
 ///
@@ -114,7 +121,7 @@ pub struct PyInformationGain {
 #[pymethods]
 impl PyInformationGain {
     #[new]
-    #[pyo3(signature = (model, threshold, positions=1))]
+    #[pyo3(signature = (model, threshold, positions=DEFAULT_INFORMATION_POSITIONS as Whole))]
     fn new(model: &PySortingModel, threshold: f64, positions: Whole) -> PyResult<Self> {
         let positions = count("positions", positions)?;
         let policy = InformationGain::new(&model.0, threshold, positions).map_err(to_python)?;
@@ -215,15 +222,17 @@ impl PyOneObject {
 
 /// Compare all actions a fixed number of steps ahead, with the leaf values of `Despot`.
 ///
-/// The yardstick of a search: no trials, no bounds. Labels that no scenario gives follow the one-object policy.
+/// A baseline for the search: no trials, no bounds. Labels that no scenario gives follow the one-object policy.
 ///
 /// Parameters
 /// ----------
 /// model : SortingModel
 ///     The problem; its one-object plans are found here, which takes a moment.
-/// depth : int
+/// depth : int, default 1
 ///     Planner steps to look ahead, 1 to 4. The tree grows with the power of it.
-/// scenarios, seed : int
+/// scenarios : int, default 500
+///     As for `Despot`.
+/// seed : int
 ///     As for `Despot`.
 ///
 /// Raises
@@ -246,7 +255,7 @@ pub struct PyLookAhead {
 #[pymethods]
 impl PyLookAhead {
     #[new]
-    #[pyo3(signature = (model, depth=1, *, scenarios=500, seed=0))]
+    #[pyo3(signature = (model, depth=DEFAULT_LOOK_AHEAD_DEPTH as Whole, *, scenarios=DEFAULT_SCENARIOS as Whole, seed=0))]
     fn new(
         py: Python<'_>,
         model: &PySortingModel,

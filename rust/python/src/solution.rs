@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use beltsort_core::{Policy, Solution, SortingModel};
+use beltsort_core::{DEFAULT_SOLVE_SECONDS, Policy, Solution, SortingModel};
 use pyo3::prelude::*;
 
 use crate::actions;
@@ -194,7 +194,7 @@ impl PySolution {
 /// model : SortingModel
 ///     The paper's, without `repeat`, `observe_after_decision` and `information_gain`. Where a scan has more
 ///     than 4096 label vectors (L^H), they are not searched.
-/// seconds : float
+/// seconds : float, default 60
 ///     Wall-clock time; more brings the bounds together. It ends earlier once they meet, and on Ctrl-C with
 ///     KeyboardInterrupt.
 /// progress : callable, optional
@@ -226,7 +226,7 @@ impl PySolution {
 /// >>> f"{solution.lower:.2f} {solution.upper:.2f}"
 /// '15.77 15.77'
 #[pyfunction]
-#[pyo3(signature = (model, *, seconds=60.0, progress=None))]
+#[pyo3(signature = (model, *, seconds=DEFAULT_SOLVE_SECONDS, progress=None))]
 pub fn solve(
     py: Python<'_>,
     model: &PySortingModel,

@@ -83,6 +83,13 @@ pub struct ModelSpec {
     pub note: String,
 }
 
+/// Reward of a right decision, unless the model says otherwise.
+pub const DEFAULT_R_MAX: f64 = 10.0;
+/// Penalty of a wrong decision, likewise.
+pub const DEFAULT_R_MIN: f64 = 50.0;
+/// Discount per planner step, likewise; usual for DESPOT, the paper prints none.
+pub const DEFAULT_DISCOUNT: f64 = 0.95;
+
 const KEYS: [&str; 16] = [
     "classes",
     "viewpoints",
@@ -103,11 +110,11 @@ const KEYS: [&str; 16] = [
 ];
 
 fn default_r_max() -> f64 {
-    10.0
+    DEFAULT_R_MAX
 }
 
 fn default_r_min() -> f64 {
-    50.0
+    DEFAULT_R_MIN
 }
 
 fn default_motion_cost() -> ScalarOrMatrix {
@@ -115,7 +122,7 @@ fn default_motion_cost() -> ScalarOrMatrix {
 }
 
 fn default_discount() -> f64 {
-    0.95
+    DEFAULT_DISCOUNT
 }
 
 impl ModelSpec {

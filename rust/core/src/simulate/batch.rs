@@ -4,16 +4,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::evaluation::Outcome;
-use super::{EvaluationConfig, TrueClasses};
+use super::{EvaluationConfig, MAX_IMPOSSIBLE_LABELS, TrueClasses};
 use crate::belief::{Belief, Memory};
 use crate::error::{Error, Result};
 use crate::index::{Class, Position, Viewpoint};
 use crate::model::{Action, SortingModel, Step, shift};
 use crate::policy::Policy;
 use crate::sampling::{Purpose, invert, label, stream};
-
-/// This many impossible labels of one object in a row end the looking at it.
-const IMPOSSIBLE_IN_A_ROW: usize = 3;
 
 /// An object on the belt.
 struct Object {
@@ -72,7 +69,7 @@ impl<'a> Batch<'a> {
         let mut decisions = 0;
         while decisions < self.config.batch_size {
             let action = self.choose(policy)?;
-            self.book_regret(action)?;
+            self.add_regret(action)?;
             let step = self.model.step(action, self.viewpoint, self.belief.objects_left());
             self.take(step)?;
             decisions += usize::from(step.advances());
@@ -83,7 +80,7 @@ impl<'a> Batch<'a> {
     /// The policy's action, or the forced decision.
     fn choose(&mut self, policy: &dyn Policy) -> Result<Action> {
         let object = &self.objects[0];
-        if object.looks >= self.config.max_looks || object.impossible >= IMPOSSIBLE_IN_A_ROW {
+        if object.looks >= self.config.max_looks || object.impossible >= MAX_IMPOSSIBLE_LABELS {
             self.outcome.forced += 1;
             return Ok(Action::Decide(self.belief.most_likely(Position(0)).0));
         }
@@ -117,7 +114,7 @@ impl<'a> Batch<'a> {
             self.advance();
         }
         let bonus = step.scan.map_or(0.0, |from| self.belief.bonus(self.model, from));
-        self.book(reward, expected, bonus);
+        self.add_step(reward, expected, bonus);
         if step.scan.is_some() { self.scan() } else { Ok(()) }
     }
 
@@ -145,8 +142,8 @@ impl<'a> Batch<'a> {
         self.given.clear();
     }
 
-    /// Book what the action loses, before it is taken.
-    fn book_regret(&mut self, action: Action) -> Result<()> {
+    /// Add the regret of an action to the outcome, before it is taken.
+    fn add_regret(&mut self, action: Action) -> Result<()> {
         if let Some(reference) = &self.config.reference {
             let regret = reference.regret(&self.belief, self.viewpoint, action)?;
             *self.outcome.regret.get_or_insert_default() += regret;
@@ -155,8 +152,8 @@ impl<'a> Batch<'a> {
         Ok(())
     }
 
-    /// Book one step: its reward, what was expected of it, and its bonus.
-    fn book(&mut self, reward: f64, expected: f64, bonus: f64) {
+    /// Add one step to the outcome: its reward, its expected reward and its bonus.
+    fn add_step(&mut self, reward: f64, expected: f64, bonus: f64) {
         self.outcome.steps += 1;
         self.outcome.total += reward;
         self.outcome.discounted += self.discount * reward;

@@ -6,16 +6,7 @@ use crate::policy::{OneObject, Threshold};
 use crate::testing::{models_in_full, paper, seeded};
 
 fn config(batches: usize) -> EvaluationConfig {
-    EvaluationConfig {
-        batches,
-        batch_size: 5,
-        seed: 1,
-        belt_ends: false,
-        viewpoint: Viewpoint(0),
-        true_classes: TrueClasses::Arrival,
-        max_looks: 8,
-        reference: None,
-    }
+    EvaluationConfig { batches, batch_size: 5, seed: 1, max_looks: 8, ..EvaluationConfig::default() }
 }
 
 /// Mean of the differences in units of its standard error.
