@@ -128,7 +128,7 @@ MESSAGES: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
         model_file,
         beltsort.ModelError,
         'unknown key "discont" in the model file; did you mean "discount"? Known keys: classes, '
-        "viewpoints, p_obs, r_max, r_min, motion_cost, discount, arrival, travel, "
+        "viewpoints, p_obs, labels, bins, reward, modes, r_max, r_min, motion_cost, discount, arrival, travel, "
         "observe_after_decision, repeat, information_gain, empty, counts, smoothing, note",
     ),
     "impossible label": (

@@ -143,7 +143,7 @@ CASES: dict[str, tuple[Callable[[], object], type[BeltsortError], list[str]]] = 
     "last label": (
         lambda: Belief(REPEATING, last_labels=[[0, 3], [0, 0]]),
         ArgumentError,
-        ["label", "3", "c0, c1, c2"],
+        ["class", "3", "c0, c1, c2"],
     ),
     "negative last label": (
         lambda: Belief(REPEATING, last_labels=[[0, -2], [0, 0]]),
@@ -253,13 +253,13 @@ CASES: dict[str, tuple[Callable[[], object], type[BeltsortError], list[str]]] = 
     "evaluation seed": (evaluation(seed=-1), ArgumentError, ["seed", "-1", "0", "18446744073709551615"]),
     "evaluation threads": (evaluation(threads=0), ArgumentError, ["threads", "0", "1", "1024"]),
     "evaluation viewpoint": (evaluation(viewpoint=2), ArgumentError, ["viewpoint", "2", "0", "1", "v0, v1"]),
-    "true class": (evaluation(true_classes=[3]), ArgumentError, ["label", "3", "c0, c1, c2"]),
+    "true class": (evaluation(true_classes=[3]), ArgumentError, ["class", "3", "c0, c1, c2"]),
     "negative true class": (evaluation(true_classes=[-1]), ArgumentError, ["true", "class", "-1", "0"]),
     "no true class": (evaluation(true_classes=[]), ArgumentError, ["true_classes", "empty"]),
     "true class in an array": (
         evaluation(true_classes=np.full((2, 11), 3)),
         ArgumentError,
-        ["label", "3", "c0, c1, c2"],
+        ["class", "3", "c0, c1, c2"],
     ),
     "negative in an array": (
         evaluation(true_classes=np.full((2, 11), -1)),
@@ -277,7 +277,11 @@ CASES: dict[str, tuple[Callable[[], object], type[BeltsortError], list[str]]] = 
         ArgumentError,
         ["true_classes", "ab"],
     ),
-    "truth": (evaluation(truth=random_model(0, h=1)), ArgumentError, ["truth", "(1, 2, 3)", "(2, 2, 3)"]),
+    "truth": (
+        evaluation(truth=random_model(0, h=1)),
+        ArgumentError,
+        ["truth", "(1, 2, 3, 3)", "(2, 2, 3, 3)"],
+    ),
     "no policy": (
         lambda: evaluate(MODEL, 3),  # type: ignore[arg-type] # the mistake under test
         PolicyError,

@@ -7,25 +7,25 @@ mod memory;
 use nalgebra::{DMatrix, DVectorView};
 
 pub(crate) use bayes::{condition, evidence, joint};
-pub(crate) use information::{entropy, information};
+pub(crate) use information::{class_entropy, information};
 pub(crate) use memory::Memory;
 
 use crate::error::{Error, Result, argument_error};
-use crate::index::{Class, Label, Position, Viewpoint};
+use crate::index::{Bin, Class, Kind, Label, Position, Viewpoint};
 use crate::model::{Look, SortingModel, distribution, shift};
 use crate::remaining::Remaining;
 
 /// A row that misses 1 by no more than this is a belief's own, written down: it is taken as it is, to the last bit.
 const ROUNDING: f64 = 1e-12;
 
-/// `b^j_i`: the probability that the object at position j is of class i.
+/// `b^j_n`: the probability that the object at position j is of kind n, which is its class in the paper's model.
 ///
 /// Objects are independent and each label depends on its own object only, so the product of these
 /// distributions *is* the exact posterior, not an approximation. Where looks repeat, the labels seen since the belt
 /// last moved are part of the belief.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Belief {
-    /// Column j is the distribution of position j, so a position's entries are contiguous: shape (L, H).
+    /// Column j is the distribution of position j, so a position's entries are contiguous: shape (N, H).
     probabilities: DMatrix<f64>,
     memory: Memory,
     remaining: Remaining,
@@ -37,21 +37,25 @@ impl Belief {
     pub fn new(model: &SortingModel) -> Self {
         let arrival = model.arrival();
         Self {
-            probabilities: DMatrix::from_fn(model.class_count(), model.position_count(), |c, _| arrival[c]),
+            probabilities: DMatrix::from_fn(model.kind_count(), model.position_count(), |n, _| arrival[n]),
             memory: Memory::new(model),
             remaining: Remaining::ENDLESS,
         }
     }
 
-    /// A belief of one given distribution per position, `rows[position][class]`.
+    /// A belief of one given distribution per position, `rows[position][class]` or `rows[position][kind]`. A class's
+    /// probability is divided among its modes by their weights.
     ///
     /// # Errors
-    /// [`Error::Argument`] if the shape is not (H, L) or a row is no distribution (within 1e-6).
+    /// [`Error::Argument`] if the shape is neither (H, L) nor (H, N) or a row is no distribution (within 1e-6).
     pub fn from_rows(model: &SortingModel, rows: &[Vec<f64>]) -> Result<Self> {
-        let (h, l) = (model.position_count(), model.class_count());
-        if rows.len() != h || rows.iter().any(|row| row.len() != l) {
+        let (h, l, n) = (model.position_count(), model.class_count(), model.kind_count());
+        let of_shape = |entries| rows.len() == h && rows.iter().all(|row| row.len() == entries);
+        if !of_shape(l) && !of_shape(n) {
+            let kinds =
+                if model.has_modes() { format!(" or ({h}, {n}), modes included") } else { String::new() };
             return argument_error(format!(
-                "probabilities have {} rows of lengths {:?}; expected shape ({h}, {l}), one distribution per position",
+                "probabilities have {} rows of lengths {:?}; expected shape ({h}, {l}){kinds}, one distribution per position",
                 rows.len(),
                 rows.iter().map(Vec::len).collect::<Vec<_>>()
             ));
@@ -59,7 +63,14 @@ impl Belief {
         for (j, row) in rows.iter().enumerate() {
             distribution(&format!("probabilities[{j}]"), row).map_err(|e| Error::Argument(e.to_string()))?;
         }
-        let mut probabilities = DMatrix::from_fn(l, h, |c, j| rows[j][c]);
+        let entry = |kind: usize, row: &[f64]| {
+            if row.len() == n {
+                row[kind]
+            } else {
+                row[model.class_of(Kind(kind)).0] * model.mode_weight(Kind(kind))
+            }
+        };
+        let mut probabilities = DMatrix::from_fn(n, h, |kind, j| entry(kind, &rows[j]));
         for mut column in probabilities.column_iter_mut() {
             let sum = column.sum();
             if (sum - 1.0).abs() > ROUNDING {
@@ -91,7 +102,7 @@ impl Belief {
         self.remaining.0
     }
 
-    /// The distribution of one position, length L.
+    /// The distribution of the kind at one position, length N.
     #[must_use]
     pub fn position(&self, position: Position) -> DVectorView<'_, f64> {
         self.probabilities.column(position.0)
@@ -113,7 +124,7 @@ impl Belief {
         self.memory.look(model, position, viewpoint)
     }
 
-    /// All positions one after the other: entry `position * L + class`.
+    /// All positions one after the other: entry `position * N + kind`.
     #[must_use]
     pub fn as_slice(&self) -> &[f64] {
         self.probabilities.as_slice()
@@ -121,11 +132,11 @@ impl Belief {
 
     /// The same of the positions at which objects are left to decide.
     pub(crate) fn visible(&self) -> &[f64] {
-        let (positions, classes) = self.shape();
-        &self.as_slice()[..self.remaining.visible(positions) * classes]
+        let (positions, kinds) = self.shape();
+        &self.as_slice()[..self.remaining.visible(positions) * kinds]
     }
 
-    /// Number of positions H and of classes L.
+    /// Number of positions H and of kinds N.
     #[must_use]
     pub fn shape(&self) -> (usize, usize) {
         (self.probabilities.ncols(), self.probabilities.nrows())
@@ -133,12 +144,18 @@ impl Belief {
 
     /// The most likely class at a position (the first among equals) and its probability.
     #[must_use]
-    pub fn most_likely(&self, position: Position) -> (Class, f64) {
-        most_likely(self.position(position).as_slice())
+    pub fn most_likely(&self, model: &SortingModel, position: Position) -> (Class, f64) {
+        model.most_likely_class(self.position(position).as_slice())
     }
 
-    /// Probability of each label at each position if the camera scans from `viewpoint`, `(L, H)` with a column
-    /// per position: `P(z^j | b, v) = sum_c b^j_c P(z | j, v, c)`, see [`SortingModel::likelihood`].
+    /// The decision on the object at the belt end that earns most, and its expected reward.
+    #[must_use]
+    pub fn best_decision(&self, model: &SortingModel) -> (Bin, f64) {
+        model.best_decision(self.position(Position(0)).as_slice())
+    }
+
+    /// Probability of each label at each position if the camera scans from `viewpoint`, `(Z, H)` with a column
+    /// per position: `P(z^j | b, v) = sum_n b^j_n P(z | j, v, n)`, see [`SortingModel::likelihood`].
     ///
     /// # Errors
     /// [`Error::Argument`] if the viewpoint does not exist.
@@ -153,7 +170,7 @@ impl Belief {
         evidence(self.position(look.position).as_slice(), model.likelihoods(look, label))
     }
 
-    /// Bayes' rule for one scan (eq. 7): `b^j_c` becomes proportional to `b^j_c P(z^j | j, v, c)`.
+    /// Bayes' rule for one scan (eq. 7): `b^j_n` becomes proportional to `b^j_n P(z^j | j, v, n)`.
     ///
     /// `labels` holds one entry per position, `None` where nothing was seen.
     ///
@@ -235,24 +252,25 @@ impl Belief {
         if self.remaining.is_over() {
             return argument_error("the belief has remaining = 0: no object is left to decide; stop here");
         }
-        let expected = (model.position_count(), model.class_count());
+        let expected = (model.position_count(), model.kind_count());
         if self.shape() == expected && self.memory.fits(model) {
             return Ok(());
         }
         argument_error(format!(
-            "the belief has shape {:?} (positions, classes) or a memory that does not fit the model, which has \
+            "the belief has shape {:?} (positions, kinds) or a memory that does not fit the model, which has \
              {expected:?}; make it with Belief(model)",
             self.shape()
         ))
     }
 }
 
-/// The most likely class of a distribution (the first among equals) and its probability.
-pub(crate) fn most_likely(distribution: &[f64]) -> (Class, f64) {
-    let mut best = (Class(0), distribution[0]);
-    for (class, &p) in distribution.iter().enumerate().skip(1) {
+/// The most likely entry of a distribution (the first among equals) and its probability.
+#[inline(always)]
+pub(crate) fn most_likely(distribution: &[f64]) -> (usize, f64) {
+    let mut best = (0, distribution[0]);
+    for (entry, &p) in distribution.iter().enumerate().skip(1) {
         if p > best.1 {
-            best = (Class(class), p);
+            best = (entry, p);
         }
     }
     best

@@ -1,6 +1,5 @@
 //! Bounds of the value at an exact belief.
 
-use crate::belief::most_likely;
 use crate::index::Viewpoint;
 use crate::model::SortingModel;
 use crate::one_object::OneObjectPolicy;
@@ -19,7 +18,7 @@ pub(crate) fn lower(
     policy.value(model, (belief, remaining), viewpoint)
 }
 
-/// Upper bound of V*: from the second step on, every class is known and each step earns `r_max` and the largest bonus.
+/// Upper bound of V*: from the second step on, every class is known and each step earns the largest reward and bonus.
 ///
 /// Now, the best is to decide on what is known, or to pay for the cheapest move.
 pub(crate) fn upper(
@@ -27,10 +26,10 @@ pub(crate) fn upper(
     (belief, remaining): (&[f64], Remaining),
     viewpoint: Viewpoint,
 ) -> f64 {
-    upper_knowing(model, viewpoint, remaining)(most_likely(&belief[..model.class_count()]).1)
+    upper_knowing(model, viewpoint, remaining)(model.best_decision(&belief[..model.kind_count()]).1)
 }
 
-/// The same where the most likely class at the belt end has probability `p_right`. Nothing follows the last object.
+/// The same where the best decision is expected to earn `decided`. Nothing follows the last object.
 #[inline(always)]
 pub(crate) fn upper_knowing(
     model: &SortingModel,
@@ -42,11 +41,11 @@ pub(crate) fn upper_knowing(
     let bonus = most_bonus(model);
     let known = |remaining: Remaining| model.discount() * all_known(model, remaining, bonus);
     let (after_decision, after_move) = (known(remaining.after(1)), known(remaining) - cheapest);
-    move |p_right| {
+    move |decided| {
         if remaining.is_over() {
             return 0.0;
         }
-        bonus + (model.decision_reward(p_right) + after_decision).max(after_move)
+        bonus + (decided + after_decision).max(after_move)
     }
 }
 
@@ -58,7 +57,7 @@ fn all_known(model: &SortingModel, remaining: Remaining, bonus: f64) -> f64 {
     let endless = 1.0 / (1.0 - model.discount());
     let left = remaining.0.and_then(|objects| i32::try_from(objects).ok());
     let decisions = left.map_or(endless, |objects| (1.0 - model.discount().powi(objects)) * endless);
-    model.spec().r_max * decisions + bonus * endless
+    model.most_reward() * decisions + bonus * endless
 }
 
 /// The largest bonus of a scan: all entropy of all positions.

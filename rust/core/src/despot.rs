@@ -91,7 +91,7 @@ impl Search<'_> {
 
     /// Whether the root's bounds have met.
     fn is_settled(&self, despot: &Tree) -> bool {
-        despot[ROOT].gap() <= EPSILON * self.model.spec().r_max
+        despot[ROOT].gap() <= EPSILON * self.model.reward_scale()
     }
 
     /// The root with all its scenarios, and its actions.
@@ -196,9 +196,9 @@ impl Search<'_> {
         let (node, mut scratch) = (despot[b], std::mem::take(&mut despot.scratch));
         scratch.set.clear();
         scratch.set.extend_from_slice(despot.scenarios(b));
-        let (class, share) = self.most_frequent(&node, &mut scratch);
+        let (bin, earned) = self.best_decision(&node, &mut scratch);
         let moves = self.model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
-        for action in std::iter::once(Action::Decide(class)).chain(moves) {
+        for action in std::iter::once(Action::Decide(bin)).chain(moves) {
             let (first, a) = (despot.size(), despot.next_edge());
             let step = Step::of(self.model, &node, action, self.remaining.after(node.decisions));
             let child = step.child(&node, a);
@@ -214,7 +214,7 @@ impl Search<'_> {
                 despot.add_node_like(self.initialise(child, &scratch.set, &mut scratch.bounds), b);
             }
             let reward = match action {
-                Action::Decide(_) => self.model.decision_reward(share),
+                Action::Decide(_) => earned,
                 Action::Move(to) => -self.model.motion_cost(node.viewpoint, to),
             };
             despot.add_edge(b, action, self.weight(&node) * reward, first);

@@ -21,8 +21,12 @@ indices! {
     Position;
     /// `k`: where the camera can stand.
     Viewpoint;
-    /// `c`: what an object is, and what a decision takes it for.
+    /// `c`: what an object is.
     Class;
+    /// `n`: what an object hides: its class, and its mode among those of the class.
+    Kind;
+    /// `i`: what a decision chooses; in the paper's model a class.
+    Bin;
     /// `z`: what one look at an object yields.
     Label;
 }

@@ -29,7 +29,7 @@ pub use cloud::{Distances, VFH_BINS, VfhOptions, clusters, lzf_decompress, vfh};
 pub use config::{Budget, DEFAULT_SCENARIOS, DespotConfig};
 pub use despot::{BudgetedDespot, Despot};
 pub use error::{Error, Result};
-pub use index::{Class, Label, Position, Viewpoint};
+pub use index::{Bin, Class, Kind, Label, Position, Viewpoint};
 pub use model::{
     Action, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Look, ModelSpec, ScalarOrMatrix, SortingModel,
     Tables,

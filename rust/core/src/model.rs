@@ -2,6 +2,7 @@
 
 mod likelihood;
 mod pomdp;
+mod rewards;
 mod sets;
 mod spec;
 mod step;
@@ -17,36 +18,40 @@ pub(crate) use step::{Step, shift};
 pub(crate) use validate::distribution;
 
 use crate::error::{Result, argument_error, model_error};
-use crate::index::{Class, Position, Viewpoint};
+use crate::index::{Bin, Position, Viewpoint};
+use rewards::Rewards;
 
 /// One planner step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Action {
     /// `m_k`: move the camera to a viewpoint and scan.
     Move(Viewpoint),
-    /// `d_i`: sort the object at the belt end as this class; the belt advances.
-    Decide(Class),
+    /// `d_i`: sort the object at the belt end into this bin; the belt advances.
+    Decide(Bin),
 }
 
 impl fmt::Display for Action {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Move(viewpoint) => write!(f, "Move({viewpoint})"),
-            Self::Decide(class) => write!(f, "Decide({class})"),
+            Self::Decide(bin) => write!(f, "Decide({bin})"),
         }
     }
 }
 
 /// A checked sorting model, ready for arithmetic.
 ///
-/// State: the class of the object at each of H positions and the camera's viewpoint. `o^j(z | p', c)` of the
-/// paper is [`SortingModel::table`].
+/// State: the kind of the object at each of H positions, that is its class and its mode, and the camera's viewpoint. In
+/// the paper's model each class has one mode. `o^j(z | p', c)` of the paper is [`SortingModel::table`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SortingModel {
     spec: ModelSpec,
-    /// Normalised tables, index `position * K + viewpoint`; rows are true classes, columns labels.
+    /// Normalised tables, index `position * K + viewpoint`; rows are kinds, columns labels.
     tables: Vec<DMatrix<f64>>,
+    /// The first kind of each class, and behind them the number of kinds.
+    first_kinds: Vec<usize>,
     arrival: DVector<f64>,
+    rewards: Rewards,
     motion_cost: DMatrix<f64>,
     /// Shape (H, K).
     repeat: DMatrix<f64>,
@@ -63,17 +68,23 @@ impl SortingModel {
         validate::validate(&spec)?;
         let (h, k, l) = (spec.p_obs.len(), spec.viewpoints.len(), spec.classes.len());
         let tables = spec.p_obs.iter().flatten().map(|rows| normalised_table(rows)).collect();
-        let arrival = match &spec.arrival {
+        let classes = match &spec.arrival {
             Some(prior) => normalised(prior),
             None => DVector::from_element(l, 1.0 / l as f64),
         };
+        let first_kinds = first_kinds(&spec);
+        let arrival = match &spec.modes {
+            None => classes,
+            Some(modes) => arriving_kinds(&classes, modes),
+        };
+        let rewards = Rewards::new(&spec);
         let motion_cost = spec.motion_cost.expand(k, k);
         let repeat = spec.repeat.as_ref().map_or_else(|| DMatrix::zeros(h, k), |repeat| repeat.expand(h, k));
         let travel = match &spec.travel {
             Some(lists) => lists.iter().map(|list| sorted(list)).collect(),
             None => vec![(0..k).map(Viewpoint).collect(); k],
         };
-        Ok(Self { spec, tables, arrival, motion_cost, repeat, travel })
+        Ok(Self { spec, tables, first_kinds, arrival, rewards, motion_cost, repeat, travel })
     }
 
     /// The model as it was written down.
@@ -82,13 +93,13 @@ impl SortingModel {
         &self.spec
     }
 
-    /// Observation table of a position seen from a viewpoint: rows are true classes, columns labels.
+    /// Observation table of a position seen from a viewpoint: rows are kinds, columns labels; shape (N, Z).
     #[must_use]
     pub fn table(&self, position: Position, viewpoint: Viewpoint) -> &DMatrix<f64> {
         &self.tables[position.0 * self.viewpoint_count() + viewpoint.0]
     }
 
-    /// Prior of the class of an arriving object, length L.
+    /// Prior of the kind of an arriving object, length N.
     #[must_use]
     pub fn arrival(&self) -> &DVector<f64> {
         &self.arrival
@@ -137,12 +148,6 @@ impl SortingModel {
         }
     }
 
-    /// Expected reward of a decision that is right with probability `p_right`.
-    #[must_use]
-    pub fn decision_reward(&self, p_right: f64) -> f64 {
-        p_right * self.spec.r_max - (1.0 - p_right) * self.spec.r_min
-    }
-
     /// The same model with the first `positions` belt positions only.
     ///
     /// # Errors
@@ -166,12 +171,33 @@ impl SortingModel {
     }
 }
 
+#[cfg(test)]
+mod tests;
+
 fn normalised_table(rows: &[Vec<f64>]) -> DMatrix<f64> {
-    let mut table = DMatrix::from_fn(rows.len(), rows.len(), |c, z| rows[c][z]);
+    let mut table = DMatrix::from_fn(rows.len(), rows[0].len(), |n, z| rows[n][z]);
     for mut row in table.row_iter_mut() {
         row /= row.sum();
     }
     table
+}
+
+/// The first kind of each class, and behind them the number of kinds.
+fn first_kinds(spec: &ModelSpec) -> Vec<usize> {
+    let modes = |class: usize| spec.modes.as_ref().map_or(1, |modes| modes[class].len());
+    let mut first = vec![0];
+    for class in 0..spec.classes.len() {
+        first.push(first[class] + modes(class));
+    }
+    first
+}
+
+/// The prior of an arriving object's kind: of its class, times the weight of its mode.
+fn arriving_kinds(classes: &DVector<f64>, modes: &[Vec<f64>]) -> DVector<f64> {
+    let of_class = |(p, weights): (&f64, &Vec<f64>)| normalised(weights) * *p;
+    let kinds: Vec<f64> =
+        classes.iter().zip(modes).flat_map(|pair| of_class(pair).data.as_vec().clone()).collect();
+    DVector::from_vec(kinds)
 }
 
 fn normalised(prior: &[f64]) -> DVector<f64> {

@@ -123,7 +123,7 @@ impl Solution {
             leaves.alphas = stages::searched(model, &leaves, &arrival, &watch);
         }
         leaves.grid = leaves.grid.map(|grid| stages::thinned(model, grid));
-        let slack = SLACK * model.spec().r_max;
+        let slack = SLACK * model.reward_scale();
         let (lower, upper) = watch.bounds();
         Ok(Self {
             model: model.clone(),
@@ -142,7 +142,7 @@ impl Solution {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
         let (lower, upper) = self.leaves.bounds(&self.model, belief.as_slice(), viewpoint);
-        let slack = SLACK * self.model.spec().r_max;
+        let slack = SLACK * self.model.reward_scale();
         let (lower, upper) = (lower - slack, upper + slack);
         let alike = self.leaves.policy.group(viewpoint) == self.leaves.policy.group(Viewpoint(0));
         if alike && belief.as_slice() == Belief::new(&self.model).as_slice() {

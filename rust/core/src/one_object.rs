@@ -92,7 +92,7 @@ impl OneObjectPolicy {
         (belief, remaining): (&[f64], Remaining),
         viewpoint: Viewpoint,
     ) -> f64 {
-        let l = model.class_count();
+        let l = model.kind_count();
         if remaining.is_over() {
             return 0.0;
         }
@@ -105,7 +105,7 @@ impl OneObjectPolicy {
     pub(crate) fn chain(&self, model: &SortingModel, belief: &[f64]) -> Vec<(DVector<f64>, DVector<f64>)> {
         let mut worth = self.arrival_values.clone();
         let mut chain = Vec::new();
-        for position in belief.chunks_exact(model.class_count()).rev() {
+        for position in belief.chunks_exact(model.kind_count()).rev() {
             let (plan, value) = self.best(0, position, &worth);
             chain.push((plan.gain.clone(), plan.discount_to.clone()));
             worth = vec![value];
@@ -121,7 +121,7 @@ impl OneObjectPolicy {
         (belief, remaining): (&[f64], Remaining),
         viewpoint: Viewpoint,
     ) -> Action {
-        let l = model.class_count();
+        let l = model.kind_count();
         self.best(self.group(viewpoint), &belief[..l], &self.continuation((belief, remaining), l)).0.action
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::belief::Belief;
 use crate::error::{Result, argument_error};
-use crate::index::{Position, Viewpoint};
+use crate::index::{Bin, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::one_object::OneObjectPolicy;
 
@@ -15,7 +15,7 @@ pub trait Policy: Sync {
     fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action>;
 }
 
-/// Look from one viewpoint until a class is likely enough.
+/// Look from one viewpoint until a decision is likely enough to be right.
 #[derive(Debug, Clone)]
 pub struct Threshold {
     model: SortingModel,
@@ -25,7 +25,7 @@ pub struct Threshold {
 }
 
 impl Threshold {
-    /// Decide once the belt end's most likely class has probability `threshold`; look from `viewpoint` until then
+    /// Decide once the best decision at the belt end is right with probability `threshold`; look from `viewpoint` until then
     /// (`None`: the one that tells most about an arriving object).
     ///
     /// # Errors
@@ -45,15 +45,15 @@ impl Policy for Threshold {
     fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
-        let (class, p_right) = belief.most_likely(Position(0));
+        let (bin, p_right) = decision(&self.model, belief);
         Ok(match self.next_move[viewpoint.0] {
             Some(to) if p_right < self.confidence => Action::Move(to),
-            _ => Action::Decide(class),
+            _ => Action::Decide(bin),
         })
     }
 }
 
-/// Look from where most is learnt until a class is likely enough.
+/// Look from where most is learnt until a decision is likely enough to be right.
 #[derive(Debug, Clone)]
 pub struct InformationGain {
     model: SortingModel,
@@ -62,7 +62,7 @@ pub struct InformationGain {
 }
 
 impl InformationGain {
-    /// Decide once the belt end's most likely class has probability `threshold`; until then take the move with the
+    /// Decide once the best decision at the belt end is right with probability `threshold`; until then take the move with the
     /// largest expected entropy reduction, summed over the first `positions` positions.
     ///
     /// # Errors
@@ -83,13 +83,13 @@ impl Policy for InformationGain {
     fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
         belief.check_fits(&self.model)?;
         self.model.check_viewpoint(viewpoint)?;
-        let (class, p_right) = belief.most_likely(Position(0));
+        let (bin, p_right) = decision(&self.model, belief);
         if p_right >= self.confidence {
-            return Ok(Action::Decide(class));
+            return Ok(Action::Decide(bin));
         }
         let moves = self.model.legal_moves(viewpoint).iter().copied();
         Ok(most_informative(&self.model, belief, self.positions, moves)
-            .map_or(Action::Decide(class), Action::Move))
+            .map_or(Action::Decide(bin), Action::Move))
     }
 }
 
@@ -114,6 +114,12 @@ impl Policy for OneObject {
         self.model.check_viewpoint(viewpoint)?;
         Ok(self.plans.action(&self.model, belief.known(), viewpoint))
     }
+}
+
+/// The decision that earns most, and the probability that it is right.
+fn decision(model: &SortingModel, belief: &Belief) -> (Bin, f64) {
+    let (bin, _) = belief.best_decision(model);
+    (bin, model.probability_right(bin, belief.position(Position(0)).as_slice()))
 }
 
 fn check_threshold(threshold: f64) -> Result<()> {

@@ -8,12 +8,14 @@ use std::borrow::Borrow;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::index::{Class, Label};
+use crate::index::{Kind, Label};
 use crate::model::{Look, SortingModel};
 
 /// What a stream of randoms is for; streams of different purposes never meet.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Purpose {
+    /// The mode of a simulated object whose class was given.
+    Mode = 0,
     /// A scenario of the search.
     Scenario = 1,
     /// A simulated object: its class and its labels.
@@ -50,11 +52,11 @@ pub(crate) fn invert<P: Borrow<f64>>(distribution: impl IntoIterator<Item = P>, 
     last_possible
 }
 
-/// The label that a look gives at an object of `class`.
+/// The label that a look gives at an object of a kind.
 ///
 /// It is drawn from the mixture of repeated and fresh labels at once: one uniform per look, whatever was seen before.
-pub(crate) fn label(model: &SortingModel, look: Look, class: Class, u: f64) -> Label {
-    Label(invert(model.label_distribution(look, class), u))
+pub(crate) fn label(model: &SortingModel, look: Look, kind: Kind, u: f64) -> Label {
+    Label(invert(model.label_distribution(look, kind), u))
 }
 
 #[cfg(test)]
@@ -75,10 +77,10 @@ mod tests {
             let look = Look { last: Some(Label(last)), ..Look::first(Position(0), Viewpoint(0)) };
             let mut counts = vec![0.0; model.label_count()];
             for i in 0..N {
-                counts[label(&model, look, Class(class), i as f64 / N as f64).0] += 1.0 / N as f64;
+                counts[label(&model, look, Kind(class), i as f64 / N as f64).0] += 1.0 / N as f64;
             }
             for (z, share) in model.labels().zip(counts) {
-                prop_assert!((share - model.likelihood(look, z, Class(class))).abs() < 2.0 / N as f64);
+                prop_assert!((share - model.likelihood(look, z, Kind(class))).abs() < 2.0 / N as f64);
             }
         }
     }

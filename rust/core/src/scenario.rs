@@ -89,8 +89,8 @@ impl Randoms {
         Self { visible: mirror(&self.visible), blocks, ..*self }
     }
 
-    /// The randoms behind the class of the n-th object on the belt.
-    fn class(&self, object: usize) -> &[u32] {
+    /// The randoms behind the kind of the n-th object on the belt.
+    fn kind(&self, object: usize) -> &[u32] {
         match object.checked_sub(self.positions) {
             None => row(&self.visible, object),
             Some(depth) => self.at(depth, 0),
@@ -130,7 +130,7 @@ impl LookPoint {
     }
 }
 
-/// Planes, one per class or label.
+/// Planes, one per kind or label.
 type Planes = Vec<u64>;
 
 /// The scenarios of one search: object classes from a belief and the arrival prior, labels by inversion.
@@ -174,9 +174,9 @@ impl<'a> Scenarios<'a> {
         self.randoms.count
     }
 
-    /// Number of classes.
-    pub(crate) fn class_count(&self) -> usize {
-        self.model.class_count()
+    /// Number of kinds.
+    pub(crate) fn kind_count(&self) -> usize {
+        self.model.kind_count()
     }
 
     /// Words of a plane.
@@ -184,17 +184,17 @@ impl<'a> Scenarios<'a> {
         self.words
     }
 
-    /// The plane of each class of the n-th object on the belt.
-    pub(crate) fn classes(&self, object: usize) -> &[u64] {
+    /// The plane of each kind of the n-th object on the belt.
+    pub(crate) fn kinds(&self, object: usize) -> &[u64] {
         self.objects[object].get_or_init(|| {
             let positions = self.model.position_count();
             self.randoms.reach(object.saturating_sub(positions), false);
             let arrival = self.model.arrival().as_slice();
-            let seen = self.belief.as_slice().chunks_exact(self.model.class_count()).nth(object);
+            let seen = self.belief.as_slice().chunks_exact(self.model.kind_count()).nth(object);
             let distribution = seen.unwrap_or(arrival).iter().copied();
             let among = &vec![u64::MAX; self.words];
-            let mut planes = vec![0; self.model.class_count() * self.words];
-            let randoms = self.randoms.class(object);
+            let mut planes = vec![0; self.model.kind_count() * self.words];
+            let randoms = self.randoms.kind(object);
             pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes: &mut planes });
             planes
         })
@@ -202,7 +202,7 @@ impl<'a> Scenarios<'a> {
 
     /// The plane of each label of a look.
     pub(crate) fn labels(&self, at: LookPoint) -> &[u64] {
-        let variants = if self.model.ever_repeats() { self.model.class_count() + 1 } else { 1 };
+        let variants = if self.model.ever_repeats() { self.model.label_count() + 1 } else { 1 };
         let (viewpoints, positions) = (self.model.viewpoint_count(), self.model.position_count());
         // At depth d there have been 0 to d decisions, or d + 1 if the scan follows one.
         let count = (at.depth + 2) * viewpoints * positions * variants;
@@ -221,9 +221,9 @@ impl<'a> Scenarios<'a> {
     fn look(&self, at: LookPoint) -> Planes {
         self.randoms.reach(at.depth, false);
         let randoms = self.randoms.label(at.depth, at.look.position);
-        let mut planes = vec![0; self.model.class_count() * self.words];
-        for (class, among) in self.model.classes().zip(self.classes(at.object()).chunks_exact(self.words)) {
-            let distribution = self.model.label_distribution(at.look, class);
+        let mut planes = vec![0; self.model.label_count() * self.words];
+        for (kind, among) in self.model.kinds().zip(self.kinds(at.object()).chunks_exact(self.words)) {
+            let distribution = self.model.label_distribution(at.look, kind);
             pulp::Arch::new().dispatch(Inversion { randoms, distribution, among, planes: &mut planes });
         }
         planes

@@ -223,7 +223,7 @@ impl<'a> Search<'a> {
     /// The leaf to expand next; none if that would change nothing.
     fn leaf_of_next_trial(&self) -> Option<Place> {
         let (gap, model) = (self.tree.root.values.gap(), &self.planner.model);
-        if gap < GAP_TOLERANCE * model.spec().r_max {
+        if gap < GAP_TOLERANCE * model.reward_scale() {
             return None;
         }
         let leaf = self.tree.explore(TARGET_GAP * gap, model.discount());

@@ -112,10 +112,11 @@ fn check(model: &SortingModel, truth: &SortingModel, config: &EvaluationConfig) 
             );
         }
     }
-    let shape = |m: &SortingModel| (m.position_count(), m.viewpoint_count(), m.class_count());
+    let shape =
+        |m: &SortingModel| (m.position_count(), m.viewpoint_count(), m.class_count(), m.label_count());
     if shape(model) != shape(truth) {
         return argument_error(format!(
-            "truth has {:?} positions, viewpoints and classes, the model {:?}; they must agree",
+            "truth has {:?} positions, viewpoints, classes and labels, the model {:?}; they must agree",
             shape(truth),
             shape(model)
         ));

@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::belief::Belief;
-use crate::index::{Label, Position, Viewpoint};
-use crate::model::{ModelSpec, ScalarOrMatrix, SortingModel};
+use crate::index::{Label, Viewpoint};
+use crate::model::{ModelSpec, ScalarOrMatrix, SortingModel, Tables};
 pub(crate) use exact::{Exact, tiny_beliefs, tiny_models};
 
 /// Property tests draw the same cases on every machine. `BELTSORT_LAWS=1` (`make laws`) draws ten times as many, from
@@ -37,15 +37,23 @@ pub(crate) fn paper(r_min: f64) -> SortingModel {
 
 /// A model of given numbers of positions, viewpoints and classes from weights in (0, 1).
 pub(crate) fn from_weights(h: usize, k: usize, l: usize, weights: &[f64]) -> ModelSpec {
+    ModelSpec::new(names("c", l), names("p", k), tables((h, k, l, l), weights))
+}
+
+/// Tables of a shape (H, K, N, Z) from weights in (0, 1).
+fn tables((h, k, n, z): (usize, usize, usize, usize), weights: &[f64]) -> Tables<f64> {
     let mut weights = weights.iter().copied();
-    let mut row = || -> Vec<f64> {
-        let row: Vec<f64> = weights.by_ref().take(l).collect();
-        let sum: f64 = row.iter().sum();
-        row.iter().map(|w| w / sum).collect()
-    };
-    let p_obs = (0..h).map(|_| (0..k).map(|_| (0..l).map(|_| row()).collect()).collect()).collect();
-    let names = |prefix: &str, n: usize| (0..n).map(|i| format!("{prefix}{i}")).collect();
-    ModelSpec::new(names("c", l), names("p", k), p_obs)
+    let mut row = || -> Vec<f64> { normalised(&weights.by_ref().take(z).collect::<Vec<_>>()) };
+    (0..h).map(|_| (0..k).map(|_| (0..n).map(|_| row()).collect()).collect()).collect()
+}
+
+fn normalised(weights: &[f64]) -> Vec<f64> {
+    let sum: f64 = weights.iter().sum();
+    weights.iter().map(|w| w / sum).collect()
+}
+
+fn names(prefix: &str, n: usize) -> Vec<String> {
+    (0..n).map(|i| format!("{prefix}{i}")).collect()
 }
 
 /// Small random models: 1 or 2 positions and viewpoints, 2 or 3 classes, tables without zeros.
@@ -56,11 +64,28 @@ pub(crate) fn small_models() -> impl Strategy<Value = ModelSpec> {
     })
 }
 
-/// The same with everything that goes beyond the paper's model: repeated labels from some viewpoints, a scan after
-/// each decision in half of them, and a bonus for information.
+/// Small models of two classes of one or two modes each, with two or three labels and bins that are not the classes.
+pub(crate) fn models_of_kinds() -> impl Strategy<Value = ModelSpec> {
+    let sizes = (1..=2_usize, 1..=2_usize, (1..=2_usize, 1..=2_usize), 2..=3_usize, 2..=3_usize);
+    let weights = prop::collection::vec(0.02..1.0_f64, 2 * 2 * 4 * 3);
+    let modes = prop::collection::vec(0.1..1.0_f64, 4);
+    let rewards = prop::collection::vec(-20.0..10.0_f64, 6);
+    (sizes, weights, modes, rewards).prop_map(|((h, k, (a, b), z, bins), weights, modes, mut rewards)| {
+        let mut spec = ModelSpec::new(names("c", 2), names("p", k), tables((h, k, a + b, z), &weights));
+        (spec.labels, spec.bins) = (Some(names("z", z)), Some(names("b", bins)));
+        spec.modes = Some(vec![normalised(&modes[..a]), normalised(&modes[2..2 + b])]);
+        (rewards[0], rewards[3]) = (10.0, 10.0);
+        spec.reward = Some(rewards.chunks(2).take(bins).map(<[f64]>::to_vec).collect());
+        spec
+    })
+}
+
+/// Everything that goes beyond the paper's model: modes, labels and bins in a third of them, repeated labels from some
+/// viewpoints, a scan after each decision in half of them, and a bonus for information.
 pub(crate) fn models_in_full() -> impl Strategy<Value = ModelSpec> {
     let repeats = prop::collection::vec(prop_oneof![Just(0.0), 0.05..0.95_f64], 4);
-    (small_models(), repeats, any::<bool>(), 0.1..2.0_f64).prop_map(|(mut spec, repeats, observe, alpha)| {
+    let models = prop_oneof![2 => small_models(), 1 => models_of_kinds()];
+    (models, repeats, any::<bool>(), 0.1..2.0_f64).prop_map(|(mut spec, repeats, observe, alpha)| {
         let rows = repeats.chunks(2).take(spec.p_obs.len());
         spec.repeat =
             Some(ScalarOrMatrix::Matrix(rows.map(|row| row[..spec.viewpoints.len()].to_vec()).collect()));
@@ -72,7 +97,8 @@ pub(crate) fn models_in_full() -> impl Strategy<Value = ModelSpec> {
 
 /// Small random models that a few steps nearly decide, some with restricted travel.
 pub(crate) fn enumerable_models() -> impl Strategy<Value = SortingModel> {
-    (small_models(), any::<bool>()).prop_map(|(mut spec, restricted)| {
+    let models = prop_oneof![2 => small_models(), 1 => models_of_kinds()];
+    (models, any::<bool>()).prop_map(|(mut spec, restricted)| {
         (spec.discount, spec.r_min) = (0.5, 20.0);
         if restricted && spec.viewpoints.len() == 2 {
             spec.travel = Some(vec![vec![1], vec![0, 1]]);
@@ -107,15 +133,15 @@ pub(crate) fn enumerated_value(
     if depth == 0 {
         let spec = model.spec();
         let bonus = spec.information_gain * model.position_count() as f64 * (model.class_count() as f64).ln();
-        let worst = -spec.r_max.max(spec.r_min) - 1.0;
-        return (worst / (1.0 - model.discount()), (spec.r_max + bonus) / (1.0 - model.discount()));
+        let worst = -model.most_reward().max(-model.least_reward()) - 1.0;
+        return (worst / (1.0 - model.discount()), (model.most_reward() + bonus) / (1.0 - model.discount()));
     }
     let after = |reward: f64, (low, high): (f64, f64)| {
         (reward + model.discount() * low, reward + model.discount() * high)
     };
     let mut advanced = belief.clone();
     advanced.advance(model);
-    let reward = model.decision_reward(belief.most_likely(Position(0)).1);
+    let reward = belief.best_decision(model).1;
     let mut best = if model.observes_after_decision() {
         let reward = reward + advanced.bonus(model, viewpoint);
         after(reward, value_of_scan(model, &advanced, viewpoint, depth - 1))

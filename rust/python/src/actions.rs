@@ -1,6 +1,6 @@
 //! `Move` and `Decide`.
 
-use beltsort_core::{Action, Class, Viewpoint};
+use beltsort_core::{Action, Bin, Viewpoint};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -57,12 +57,13 @@ impl Move {
     }
 }
 
-/// `d_i`: sort the object at the belt end as a class; the belt advances by one position.
+/// `d_i`: sort the object at the belt end into a bin; the belt advances by one position.
 ///
 /// Parameters
 /// ----------
 /// label : int
-///     Index of the class. Whether the model has it is checked where the action is used.
+///     Index of the bin: that of the class, unless the model has `bins`. Whether the model has it is checked
+///     where the action is used.
 ///
 /// Raises
 /// ------
@@ -77,7 +78,7 @@ impl Move {
 #[pyclass(frozen, eq, hash, get_all, module = "beltsort", from_py_object)]
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Decide {
-    /// Index of the class.
+    /// Index of the bin.
     label: usize,
 }
 
@@ -93,6 +94,12 @@ impl Decide {
         Ok(Self { label: index("label", label)? })
     }
 
+    /// Index of the bin, the same as `label`.
+    #[getter]
+    fn bin(&self) -> usize {
+        self.label
+    }
+
     fn __repr__(&self) -> String {
         format!("Decide(label={})", self.label)
     }
@@ -106,7 +113,7 @@ impl Decide {
 pub fn to_python(py: Python<'_>, action: Action) -> PyResult<Py<PyAny>> {
     match action {
         Action::Move(Viewpoint(viewpoint)) => Ok(Py::new(py, Move { viewpoint })?.into_any()),
-        Action::Decide(Class(label)) => Ok(Py::new(py, Decide { label })?.into_any()),
+        Action::Decide(Bin(label)) => Ok(Py::new(py, Decide { label })?.into_any()),
     }
 }
 
@@ -116,7 +123,7 @@ pub fn from_python(object: &Bound<'_, PyAny>) -> PyResult<Action> {
         return Ok(Action::Move(Viewpoint(viewpoint)));
     }
     if let Ok(Decide { label }) = object.extract() {
-        return Ok(Action::Decide(Class(label)));
+        return Ok(Action::Decide(Bin(label)));
     }
     Err(PolicyError::new_err(format!(
         "a policy returned {}; return beltsort.Move(viewpoint) or beltsort.Decide(label)",

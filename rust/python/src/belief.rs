@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use beltsort_core::{Belief, Label, Position, SortingModel, Viewpoint};
+use beltsort_core::{Belief, Class, Label, Position, SortingModel, Viewpoint};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
@@ -71,6 +71,10 @@ impl PyBelief {
         ))
     }
 
+    fn class_probability(&self, position: Position, class: Class) -> f64 {
+        self.model.class_probability(class, self.belief.position(position).as_slice())
+    }
+
     /// The label that a position last gave from a viewpoint; -1 for none, as numpy has no None among integers.
     fn last_label(&self, position: Position, viewpoint: Viewpoint) -> i64 {
         let label = self.belief.last_label(&self.model, position, viewpoint);
@@ -112,7 +116,15 @@ impl PyBelief {
     /// `b^j_i`: probability that the object at position j is of class i, float64 of shape (H, L); a copy.
     #[getter]
     fn probabilities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        Array2::from_shape_fn(self.belief.shape(), |(j, c)| self.belief.position(Position(j))[c])
+        let shape = (self.model.position_count(), self.model.class_count());
+        Array2::from_shape_fn(shape, |(j, c)| self.class_probability(Position(j), Class(c))).into_pyarray(py)
+    }
+
+    /// Probability that the object at position j is of kind n, float64 of shape (H, N); a copy. The kinds are the
+    /// modes of the first class, then those of the second, and so on; without `modes` they are the classes.
+    #[getter]
+    fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        Array2::from_shape_fn(self.belief.shape(), |(j, n)| self.belief.position(Position(j))[n])
             .into_pyarray(py)
     }
 
@@ -141,8 +153,8 @@ impl PyBelief {
     /// Returns
     /// -------
     /// numpy.ndarray
-    ///     float64 of shape (H, L): `sum_c b[j, c] P(z | j, viewpoint, c)` for position j and label z, where P
-    ///     is `p_obs`, mixed with the last label by the model's `repeat`.
+    ///     float64 of shape (H, Z): `sum_n b[j, n] P(z | j, viewpoint, n)` for position j and label z, where b are
+    ///     the `kinds` and P is `p_obs`, mixed with the last label by the model's `repeat`.
     ///
     /// Raises
     /// ------
@@ -155,18 +167,20 @@ impl PyBelief {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let viewpoint = convert::viewpoint(viewpoint)?;
         let predicted = self.belief.label_probabilities(&self.model, viewpoint).map_err(to_python)?;
-        Ok(Array2::from_shape_fn(self.belief.shape(), |(j, z)| predicted[(z, j)]).into_pyarray(py))
+        Ok(Array2::from_shape_fn((predicted.ncols(), predicted.nrows()), |(j, z)| predicted[(z, j)])
+            .into_pyarray(py))
     }
 
-    /// Bayes' rule for one scan: `b[j, c]` becomes proportional to `b[j, c] P(labels[j] | j, viewpoint, c)`,
-    /// where P is `p_obs`, mixed with the last label by the model's `repeat`.
+    /// Bayes' rule for one scan: `b[j, n]` becomes proportional to `b[j, n] P(labels[j] | j, viewpoint, n)`,
+    /// where b are the `kinds` and P is `p_obs`, mixed with the last label by the model's `repeat`.
     ///
     /// Parameters
     /// ----------
     /// viewpoint : int
     ///     Index of the viewpoint that the scan was taken from.
     /// labels : sequence of int or None, length H
-    ///     The class that each position was taken for, the belt end first; None where nothing was seen.
+    ///     The label of each position, the belt end first: the class that it was taken for, unless the model has
+    ///     `labels`; None where nothing was seen.
     ///
     /// Raises
     /// ------
@@ -217,7 +231,7 @@ impl PyBelief {
     fn most_likely(&self, position: Whole) -> PyResult<(usize, f64)> {
         let position = Position(index("position", position)?);
         self.model.check_position(position).map_err(to_python)?;
-        let (class, probability) = self.belief.most_likely(position);
+        let (class, probability) = self.belief.most_likely(&self.model, position);
         Ok((class.0, probability))
     }
 
@@ -231,7 +245,8 @@ impl PyBelief {
             .model
             .positions()
             .map(|j| {
-                let row: Vec<String> = self.belief.position(j).iter().map(|p| format!("{p:.3}")).collect();
+                let row: Vec<String> =
+                    self.model.classes().map(|c| format!("{:.3}", self.class_probability(j, c))).collect();
                 format!("[{}]", row.join(", "))
             })
             .collect();

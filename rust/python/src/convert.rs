@@ -41,14 +41,15 @@ pub fn seed(value: Whole) -> PyResult<u64> {
     })
 }
 
-/// Observation tables from anything that numpy makes an array of shape (H, K, L, L) of.
+/// Observation tables from anything that numpy makes an array of four axes of.
 pub fn tables(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Tables<f64>> {
     let array = array(name, value).map_err(ModelError::new_err)?;
     let view = array.as_array();
     let shape = view.shape().to_vec();
     if shape.len() != 4 {
         return Err(ModelError::new_err(format!(
-            "{name} has shape {shape:?}; expected (H, K, L, L): positions, viewpoints, true classes, observed classes"
+            "{name} has shape {shape:?}; expected (H, K, L, L): positions, viewpoints, true classes (or their modes), observed \
+             classes (or labels)"
         )));
     }
     let mut entries = view.iter().copied();
@@ -59,7 +60,7 @@ pub fn tables(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Tables<f64>> {
     Ok(tables)
 }
 
-/// Label counts from anything that numpy makes an array of shape (H, K, L, L) of.
+/// Label counts from anything that numpy makes an array of four axes of.
 pub fn counts(value: &Bound<'_, PyAny>) -> PyResult<Tables<u64>> {
     let row = |row: Vec<f64>| row.into_iter().map(|entry| whole("counts", entry)).collect();
     let table = |rows: Vec<Vec<f64>>| rows.into_iter().map(row).collect();

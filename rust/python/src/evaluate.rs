@@ -143,7 +143,8 @@ pub fn evaluate(
         run(&user, Some(&thread_pool(1)?))?.map_err(|error| user.raised().unwrap_or_else(|| to_python(error)))
     }?;
     let with_bonuses = model.0.spec().information_gain > 0.0;
-    Ok(PyEvaluation { evaluation, drawn_from_model, with_bonuses })
+    let (bins, classes) = (model.0.bin_count(), model.0.class_count());
+    Ok(PyEvaluation { evaluation, bins, classes, drawn_from_model, with_bonuses })
 }
 
 /// A list of labels to draw from, or an array with a row per batch.

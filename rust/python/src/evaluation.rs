@@ -1,7 +1,8 @@
 //! `Evaluation`.
 
 use beltsort_core::Evaluation;
-use numpy::{IntoPyArray, PyArray1};
+use numpy::ndarray::Array3;
+use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -14,6 +15,8 @@ use crate::errors::ArgumentError;
 #[pyclass(frozen, name = "Evaluation", module = "beltsort")]
 pub struct PyEvaluation {
     pub evaluation: Evaluation,
+    pub bins: usize,
+    pub classes: usize,
     pub drawn_from_model: bool,
     pub with_bonuses: bool,
 }
@@ -26,10 +29,22 @@ impl PyEvaluation {
         self.evaluation.steps.clone().into_pyarray(py)
     }
 
-    /// Right decisions; uint64, at most `batch_size`.
+    /// Right decisions, that is into a bin than which none is worth more for the object's class; uint64, at most
+    /// `batch_size`.
     #[getter]
     fn correct<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         self.evaluation.correct.clone().into_pyarray(py)
+    }
+
+    /// Objects by bin and true class, uint64 of shape (batches, B, L), ``[batch, bin, class]``: the confusion
+    /// matrices of the decisions.
+    #[getter]
+    fn confusion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<u64>> {
+        let shape = (self.evaluation.confusion.len(), self.bins, self.classes);
+        let entry = |(batch, bin, class): (usize, usize, usize)| {
+            self.evaluation.confusion[batch][bin * self.classes + class]
+        };
+        Array3::from_shape_fn(shape, entry).into_pyarray(py)
     }
 
     /// Decisions forced by `max_looks`, or by three impossible labels of one object in a row; uint64.

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use beltsort_core::{
-    DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, Position, SortingModel, Viewpoint,
+    Bin, Class, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Kind, ModelSpec, Position, SortingModel,
+    Viewpoint,
 };
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4};
@@ -12,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::{self, Whole, count, read_only, scalar_or_matrix, tables};
-use crate::errors::to_python;
+use crate::errors::{ModelError, to_python};
 
 #[doc = include_str!("model.txt")]
 /// Examples
@@ -36,17 +37,20 @@ impl PySortingModel {
 #[pymethods]
 impl PySortingModel {
     #[new]
-    #[pyo3(signature = (classes, viewpoints, p_obs, *, r_max=DEFAULT_R_MAX, r_min=DEFAULT_R_MIN, motion_cost=None,
-                        discount=DEFAULT_DISCOUNT,
-                        arrival=None, travel=None, observe_after_decision=false, repeat=None,
+    #[pyo3(signature = (classes, viewpoints, p_obs, *, labels=None, bins=None, reward=None, modes=None,
+                        r_max=None, r_min=None, motion_cost=None, discount=DEFAULT_DISCOUNT, arrival=None, travel=None, observe_after_decision=false, repeat=None,
                         information_gain=0.0, empty=None, counts=None, smoothing=None, note=""))]
     #[allow(clippy::too_many_arguments)] // the keys of a model file
     fn new(
         classes: Vec<String>,
         viewpoints: Vec<String>,
         p_obs: &Bound<'_, PyAny>,
-        r_max: f64,
-        r_min: f64,
+        labels: Option<Vec<String>>,
+        bins: Option<Vec<String>>,
+        reward: Option<&Bound<'_, PyAny>>,
+        modes: Option<Vec<Vec<f64>>>,
+        r_max: Option<f64>,
+        r_min: Option<f64>,
         motion_cost: Option<&Bound<'_, PyAny>>,
         discount: f64,
         arrival: Option<Vec<f64>>,
@@ -63,8 +67,19 @@ impl PySortingModel {
         if let Some(cost) = motion_cost {
             spec.motion_cost = scalar_or_matrix("motion_cost", cost)?;
         }
-        spec.r_max = r_max;
-        spec.r_min = r_min;
+        if reward.is_some() && (r_max.is_some() || r_min.is_some()) {
+            return Err(ModelError::new_err(
+                "reward is given, and r_max or r_min as well; reward says what every class is worth in every bin: leave \
+                 r_max and r_min out",
+            ));
+        }
+        spec.labels = labels;
+        spec.bins = bins;
+        spec.reward =
+            reward.map(|value| convert::rows("reward", value)).transpose().map_err(ModelError::new_err)?;
+        spec.modes = modes;
+        spec.r_max = r_max.unwrap_or(DEFAULT_R_MAX);
+        spec.r_min = r_min.unwrap_or(DEFAULT_R_MIN);
         spec.discount = discount;
         spec.arrival = arrival;
         spec.travel = travel.map(convert::travel).transpose()?;
@@ -142,11 +157,11 @@ impl PySortingModel {
 
     /// Write the model as a flat POMDP in Cassandra's format, which other solvers read.
     ///
-    /// A state is the class at every position, with the viewpoint in front unless all viewpoints are alike in
-    /// legal moves and their costs and no scan follows a decision: L^H or K L^H states. The actions are the K
-    /// moves and L decisions; the observations are the L^H label vectors, and ``nothing`` after a decision that
-    /// no scan follows. Such a file has no forbidden
-    /// actions: a move that `travel` forbids costs (r_max + r_min) / (1 - discount), so that it never pays. The
+    /// A state is the class (with its mode) at every position, with the viewpoint in front unless all
+    /// viewpoints are alike in legal moves and their costs and no scan follows a decision: N^H or K N^H states.
+    /// The actions are the K moves and B decisions; the observations are the Z^H label vectors, and ``nothing`` after a decision
+    /// that no scan follows. Such a file has no forbidden actions: a move that `travel` forbids costs
+    /// (r_max + r_min) / (1 - discount), so that it never pays. The
     /// camera starts at viewpoint 0.
     ///
     /// Parameters
@@ -185,28 +200,57 @@ impl PySortingModel {
         self.0.position_count()
     }
 
-    /// Observation tables as given, read-only float64 of shape (H, K, L, L).
+    /// Names of the labels that one look may yield, list of length Z; the classes unless `labels` was given.
+    #[getter]
+    fn labels(&self) -> Vec<String> {
+        self.0.label_names().to_vec()
+    }
+
+    /// Names of the bins that a decision chooses from, list of length B; the classes unless `bins` was given.
+    #[getter]
+    fn bins(&self) -> Vec<String> {
+        self.0.bin_names().to_vec()
+    }
+
+    /// Worth of putting class c into bin b, float64 of shape (B, L), ``[bin, class]``; without `reward` it follows
+    /// from `r_max` and `r_min`.
+    #[getter]
+    fn reward<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let kind = |class| Kind(self.0.kinds_of(Class(class)).start);
+        let shape = (self.0.bin_count(), self.0.class_count());
+        Array2::from_shape_fn(shape, |(b, c)| self.0.reward(Bin(b), kind(c))).into_pyarray(py)
+    }
+
+    /// Weights of the modes of each class, a list per class; each sums to 1.
+    #[getter]
+    fn modes(&self) -> Vec<Vec<f64>> {
+        let weights = |class| self.0.kinds_of(class).map(|kind| self.0.mode_weight(Kind(kind))).collect();
+        self.0.classes().map(weights).collect()
+    }
+
+    /// Observation tables as given, read-only float64 of shape (H, K, N, Z); N and Z are L unless the model has
+    /// `modes` or `labels`.
     #[getter]
     fn p_obs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f64>>> {
         read_only(py, &self.0.spec().p_obs)
     }
 
-    /// The label counts behind `p_obs`, read-only uint64 of shape (H, K, L, L), or None.
+    /// The label counts behind `p_obs`, read-only uint64 of shape (H, K, N, Z), or None.
     #[getter]
     fn counts<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray4<u64>>>> {
         self.0.spec().counts.as_ref().map(|counts| read_only(py, counts)).transpose()
     }
 
-    /// Reward of a right decision.
+    /// Reward of a right decision; of a model with `reward` its largest entry.
     #[getter]
     fn r_max(&self) -> f64 {
-        self.0.spec().r_max
+        self.0.most_reward()
     }
 
-    /// Penalty of a wrong decision, above 0.
+    /// Penalty of a wrong decision, above 0; of a model with `reward` its smallest entry, with the other sign.
     #[getter]
     fn r_min(&self) -> f64 {
-        self.0.spec().r_min
+        -self.0.least_reward()
     }
 
     /// `gamma`, per planner step.
@@ -230,7 +274,7 @@ impl PySortingModel {
     /// Prior of the class of an arriving object, float64 of shape (L,); sums to 1.
     #[getter]
     fn arrival<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.0.arrival().iter().copied().collect::<Vec<_>>().into_pyarray(py)
+        self.0.class_probabilities(self.0.arrival().as_slice()).collect::<Vec<_>>().into_pyarray(py)
     }
 
     /// Cost of each move, float64 of shape (K, K), ``[start, end]``.
@@ -338,8 +382,8 @@ impl PySortingModel {
             spec.classes,
             spec.viewpoints,
             self.0.position_count(),
-            spec.r_max,
-            spec.r_min,
+            self.0.most_reward(),
+            -self.0.least_reward(),
             spec.discount
         )
     }

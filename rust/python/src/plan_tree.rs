@@ -1,6 +1,6 @@
 //! The searched tree as plain data.
 
-use beltsort_core::{Action, Class, Label, TreeAction, TreeBranch, TreeNode, Viewpoint};
+use beltsort_core::{Action, Bin, Label, TreeAction, TreeBranch, TreeNode, Viewpoint};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -61,7 +61,7 @@ fn named(py: Python<'_>, action: Action) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     match action {
         Action::Move(Viewpoint(viewpoint)) => dict.set_item("move", viewpoint)?,
-        Action::Decide(Class(label)) => dict.set_item("decide", label)?,
+        Action::Decide(Bin(label)) => dict.set_item("decide", label)?,
     }
     Ok(dict)
 }

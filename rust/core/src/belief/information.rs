@@ -1,13 +1,25 @@
 //! What a scan is expected to tell.
 
-use super::{Belief, evidence};
+use std::ops::Range;
+
+use super::{Belief, evidence, joint};
 use crate::index::{Position, Viewpoint};
 use crate::model::{Look, SortingModel};
 
-/// Mutual information of class and label, in nats: `sum_cz b_c P(z|c) ln(P(z|c) / P(z))`.
+/// Mutual information of class and label, in nats: `sum_cz b_c P(z|c) ln(P(z|c) / P(z))`, given the distribution of the
+/// kind.
 ///
-/// That is the entropy of `distribution` less its expectation after the look.
+/// That is the entropy of the class less its expectation after the look. What a look tells of the mode alone counts
+/// nothing.
 pub(crate) fn information(model: &SortingModel, distribution: &[f64], look: Look) -> f64 {
+    if model.has_modes() {
+        return information_about(
+            model,
+            distribution,
+            look,
+            model.classes().map(|class| model.kinds_of(class)),
+        );
+    }
     let of_label = |label| {
         let likelihoods = model.likelihoods(look, label);
         let predicted = evidence(distribution, likelihoods.clone());
@@ -17,9 +29,37 @@ pub(crate) fn information(model: &SortingModel, distribution: &[f64], look: Look
     model.labels().map(of_label).sum()
 }
 
+/// The same about groups of kinds: `sum_gz P(g, z) ln(P(g, z) / (P(g) P(z)))`.
+fn information_about(
+    model: &SortingModel,
+    distribution: &[f64],
+    look: Look,
+    groups: impl Iterator<Item = Range<usize>> + Clone,
+) -> f64 {
+    let of_label = |label| {
+        let joint: Vec<f64> = joint(distribution, model.likelihoods(look, label)).collect();
+        let predicted: f64 = joint.iter().sum();
+        let of_group = |group: Range<usize>| {
+            let (both, alone) =
+                (joint[group.clone()].iter().sum::<f64>(), distribution[group].iter().sum::<f64>());
+            if both > 0.0 { both * (both / (alone * predicted)).ln() } else { 0.0 }
+        };
+        groups.clone().map(of_group).sum::<f64>()
+    };
+    model.labels().map(of_label).sum()
+}
+
 /// Entropy of a distribution, in nats.
-pub(crate) fn entropy(distribution: &[f64]) -> f64 {
+fn entropy(distribution: &[f64]) -> f64 {
     distribution.iter().filter(|p| **p > 0.0).map(|p| -p * p.ln()).sum()
+}
+
+/// Entropy of the class, in nats, given the distribution of the kind.
+pub(crate) fn class_entropy(model: &SortingModel, kinds: &[f64]) -> f64 {
+    if model.has_modes() {
+        return entropy(&model.class_probabilities(kinds).collect::<Vec<_>>());
+    }
+    entropy(kinds)
 }
 
 impl Belief {

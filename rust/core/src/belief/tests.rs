@@ -6,7 +6,7 @@ use crate::testing::{
     all_labels, belief_of, from_weights, models_in_full, paper, probability, seeded, small_models,
 };
 
-/// The joint distribution over the classes of all positions, and every scan since the belt last moved: the belief
+/// The joint distribution over the kinds of all positions, and every scan since the belt last moved: the belief
 /// without the factoring and without the summary of what was seen.
 struct Joint {
     probabilities: Vec<f64>,
@@ -14,35 +14,35 @@ struct Joint {
 }
 
 impl Joint {
-    /// Classes of all positions behind a joint index.
-    fn classes(model: &SortingModel, mut index: usize) -> Vec<Class> {
-        let mut classes = Vec::new();
+    /// Kinds of all positions behind a joint index.
+    fn kinds(model: &SortingModel, mut index: usize) -> Vec<Kind> {
+        let mut kinds = Vec::new();
         for _ in 0..model.position_count() {
-            classes.push(Class(index % model.class_count()));
-            index /= model.class_count();
+            kinds.push(Kind(index % model.kind_count()));
+            index /= model.kind_count();
         }
-        classes
+        kinds
     }
 
     fn size(model: &SortingModel) -> usize {
-        (0..model.position_count()).map(|_| model.class_count()).product()
+        (0..model.position_count()).map(|_| model.kind_count()).product()
     }
 
     fn new(model: &SortingModel) -> Self {
-        let prior = |i| Self::classes(model, i).iter().map(|c| model.arrival()[c.0]).product();
+        let prior = |i| Self::kinds(model, i).iter().map(|n| model.arrival()[n.0]).product();
         Self { probabilities: (0..Self::size(model)).map(prior).collect(), scans: Vec::new() }
     }
 
-    /// `P(z' | z, v, c)` from the scans, by the definition of `repeat`.
+    /// `P(z' | z, v, n)` from the scans, by the definition of `repeat`.
     fn likelihood(
         &self,
         model: &SortingModel,
         position: Position,
         viewpoint: Viewpoint,
-        class: Class,
+        kind: Kind,
         z: Label,
     ) -> f64 {
-        let fresh = model.table(position, viewpoint)[(class.0, z.0)];
+        let fresh = model.table(position, viewpoint)[(kind.0, z.0)];
         let earlier = self.scans.iter().filter(|(v, _)| *v == viewpoint);
         match earlier.filter_map(|(_, labels)| labels[position.0]).next_back() {
             None => fresh,
@@ -55,9 +55,9 @@ impl Joint {
 
     fn observe(&mut self, model: &SortingModel, viewpoint: Viewpoint, labels: &[Option<Label>]) {
         for i in 0..self.probabilities.len() {
-            for ((j, class), label) in model.positions().zip(Self::classes(model, i)).zip(labels) {
+            for ((j, kind), label) in model.positions().zip(Self::kinds(model, i)).zip(labels) {
                 if let Some(z) = *label {
-                    self.probabilities[i] *= self.likelihood(model, j, viewpoint, class, z);
+                    self.probabilities[i] *= self.likelihood(model, j, viewpoint, kind, z);
                 }
             }
         }
@@ -69,19 +69,19 @@ impl Joint {
     fn advance(&mut self, model: &SortingModel) {
         let mut next = vec![0.0; self.probabilities.len()];
         for (i, p) in self.probabilities.iter().enumerate() {
-            let behind = i / model.class_count();
-            for (c, prior) in model.arrival().iter().enumerate() {
-                let last = next.len() / model.class_count();
-                next[behind + c * last] += p * prior;
+            let behind = i / model.kind_count();
+            for (n, prior) in model.arrival().iter().enumerate() {
+                let last = next.len() / model.kind_count();
+                next[behind + n * last] += p * prior;
             }
         }
         self.probabilities = next;
         self.scans.clear();
     }
 
-    fn marginal(&self, model: &SortingModel, position: Position, class: Class) -> f64 {
-        let of_class = |i: &usize| Self::classes(model, *i)[position.0] == class;
-        (0..self.probabilities.len()).filter(of_class).map(|i| self.probabilities[i]).sum()
+    fn marginal(&self, model: &SortingModel, position: Position, kind: Kind) -> f64 {
+        let of_kind = |i: &usize| Self::kinds(model, *i)[position.0] == kind;
+        (0..self.probabilities.len()).filter(of_kind).map(|i| self.probabilities[i]).sum()
     }
 }
 
@@ -115,8 +115,11 @@ fn existing(model: &SortingModel, viewpoint: Viewpoint) -> Viewpoint {
     Viewpoint(viewpoint.0 % model.viewpoint_count())
 }
 
-fn entropy(belief: &Belief) -> f64 {
-    -belief.as_slice().iter().filter(|b| **b > 0.0).map(|b| b * b.ln()).sum::<f64>()
+/// Entropy of all classes.
+fn entropy(model: &SortingModel, belief: &Belief) -> f64 {
+    let kinds = belief.as_slice().chunks_exact(model.kind_count());
+    let classes = kinds.flat_map(|kinds| model.class_probabilities(kinds).collect::<Vec<_>>());
+    -classes.filter(|b| *b > 0.0).map(|b| b * b.ln()).sum::<f64>()
 }
 
 proptest! {
@@ -141,8 +144,8 @@ proptest! {
             }
             for j in model.positions() {
                 prop_assert!((factored.position(j).sum() - 1.0).abs() < 1e-12);
-                for c in model.classes() {
-                    prop_assert!((factored.position(j)[c.0] - joint.marginal(&model, j, c)).abs() < 1e-12);
+                for n in model.kinds() {
+                    prop_assert!((factored.position(j)[n.0] - joint.marginal(&model, j, n)).abs() < 1e-12);
                 }
             }
         }
@@ -177,9 +180,9 @@ proptest! {
                 let mut posterior = belief.clone();
                 let seen: Vec<_> = labels.iter().map(|z| Some(*z)).collect();
                 posterior.observe(&model, viewpoint, &seen).unwrap();
-                left += probability(&model, &belief, viewpoint, &labels) * entropy(&posterior);
+                left += probability(&model, &belief, viewpoint, &labels) * entropy(&model, &posterior);
             }
-            let bonus = model.spec().information_gain * (entropy(&belief) - left);
+            let bonus = model.spec().information_gain * (entropy(&model, &belief) - left);
             prop_assert!((belief.bonus(&model, viewpoint) - bonus).abs() < 1e-10);
         }
     }

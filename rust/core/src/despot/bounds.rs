@@ -1,7 +1,6 @@
 //! Bounds of a node from the class histograms of its scenarios: a default policy's value, and that of knowing all.
 
-use crate::belief::most_likely;
-use crate::index::{Class, Label, Position, Viewpoint};
+use crate::index::{Bin, Label, Position, Viewpoint};
 use crate::model::{Action, Look, SortingModel};
 use crate::policy::next_moves;
 use crate::remaining::Remaining;
@@ -18,17 +17,13 @@ const MOST_SWEEPS: usize = 10_000;
 
 /// What single objects are worth: to the default policy, and to who knows their classes.
 ///
-/// The default policy sorts one object after the other: it decides the class most frequent in the node's scenarios,
+/// The default policy sorts one object after the other: it decides what earns most on the average over the node's scenarios,
 /// or looks a fixed number of times and decides by these labels alone, or looks on for ever; whichever is worth most.
 /// The looks decide by the arrival prior, so their value for an object of a given class is a constant of the model
 /// and cannot fit the scenarios; objects that no scan has shown yet are valued by the prior.
 #[derive(Debug)]
 pub(super) struct Bounds {
-    discount: f64,
-    /// Reward of a right decision, and what a wrong one has less.
-    reward: (f64, f64),
-    classes: usize,
-    positions: usize,
+    model: SortingModel,
     /// From each viewpoint.
     looks: Vec<Looks>,
     /// Looking for ever from each viewpoint; minus infinity where that is impossible.
@@ -42,7 +37,7 @@ pub(super) struct Bounds {
 /// Looks at the object at the belt end, then the decision by their labels.
 #[derive(Debug, Clone)]
 struct Looks {
-    /// Discounted reward for an object of each class.
+    /// Discounted reward for an object of each kind.
     worth: Vec<f64>,
     /// Discount up to the step after the decision.
     discount: f64,
@@ -54,7 +49,7 @@ struct Looks {
 
 /// The scenarios at a node as its bounds see them.
 pub(super) struct Histogram<'a> {
-    /// Share of each class at each position where an object is left.
+    /// Share of each kind at each position where an object is left.
     pub shares: &'a [f64],
     /// Objects left to decide.
     pub remaining: Remaining,
@@ -66,20 +61,17 @@ pub(super) struct Histogram<'a> {
 
 impl Bounds {
     pub(super) fn new(model: &SortingModel) -> Self {
-        let spec = model.spec();
+        let (spec, most) = (model.spec(), model.most_reward());
         let far = (NEGLIGIBLE.ln() / spec.discount.ln()).ceil().min(MOST_OBJECTS);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 1 and MOST_OBJECTS
         let objects = far as usize;
-        let knowing = std::iter::successors(Some(0.0), |value| Some(spec.r_max + spec.discount * value));
+        let knowing = std::iter::successors(Some(0.0), |value| Some(most + spec.discount * value));
         let mut bounds = Self {
-            discount: spec.discount,
-            reward: (spec.r_max, spec.r_max + spec.r_min),
-            classes: model.class_count(),
-            positions: model.position_count(),
+            model: model.clone(),
             looks: Vec::new(),
             forever: Vec::new(),
             unseen: Vec::new(),
-            knowing: knowing.take(objects).chain([spec.r_max / (1.0 - spec.discount)]).collect(),
+            knowing: knowing.take(objects).chain([most / (1.0 - spec.discount)]).collect(),
         };
         let mut best = f64::NEG_INFINITY;
         for target in model.viewpoints() {
@@ -104,20 +96,19 @@ impl Bounds {
     /// The default policy's value and its first action, `L_0` of the DESPOT paper.
     #[inline(always)]
     pub(super) fn default_policy(&self, at: &Histogram<'_>, scratch: &mut Vec<f64>) -> (f64, Action) {
-        let unseen = &self.unseen[self.number(at.remaining.unseen(self.positions))];
-        let visible = at.remaining.visible(self.positions);
+        let unseen = &self.unseen[self.number(at.remaining.unseen(self.model.position_count()))];
+        let visible = at.remaining.visible(self.model.position_count());
         // Entry i: the value with the camera where i rounds of looks have left it.
         let after = |viewpoint: &Viewpoint| Some(self.looks[viewpoint.0].end);
         let viewpoints = || std::iter::successors(Some(at.viewpoint), after);
         scratch.clear();
         scratch.extend(viewpoints().take(visible + 1).map(|viewpoint| unseen[viewpoint.0]));
-        let mut action = Action::Decide(Class(0));
-        for (position, shares) in at.shares.chunks_exact(self.classes).enumerate().rev() {
-            let (class, share) = most_likely(shares);
-            let reward = self.reward.0 - (1.0 - share) * self.reward.1;
+        let mut action = Action::Decide(Bin(0));
+        for (position, shares) in at.shares.chunks_exact(self.model.kind_count()).enumerate().rev() {
+            let (bin, reward) = self.model.best_decision(shares);
             for (round, viewpoint) in viewpoints().take(position + 1).enumerate() {
                 let looks = &self.looks[viewpoint.0];
-                let decided = reward + self.discount * scratch[round];
+                let decided = reward + self.model.discount() * scratch[round];
                 let mut looked = self.forever[viewpoint.0];
                 if position > 0 || at.fresh {
                     looked = looked.max(looks.value(shares) + looks.discount * scratch[round + 1]);
@@ -125,7 +116,7 @@ impl Bounds {
                 scratch[round] = decided.max(looked);
                 action = match looks.first {
                     Some(first) if looked > decided => Action::Move(first),
-                    _ => Action::Decide(class),
+                    _ => Action::Decide(bin),
                 };
             }
         }
@@ -147,7 +138,7 @@ impl Looks {
 
 /// Label sequences of so many looks.
 fn sequences(model: &SortingModel, looks: u32) -> usize {
-    model.class_count().checked_pow(looks).unwrap_or(usize::MAX)
+    model.label_count().checked_pow(looks).unwrap_or(usize::MAX)
 }
 
 /// From each viewpoint: so many looks on the way to `target` and at it, and looking like that for ever.
@@ -188,24 +179,26 @@ impl Path<'_> {
             cost += discount * model.motion_cost(at, to);
             (at, discount) = (to, discount * model.discount());
         }
-        let mut right = vec![0.0; model.class_count()];
-        self.decide(&mut Vec::new(), &vec![1.0; model.class_count()], &mut right);
-        let worth = |right: &f64| discount * model.decision_reward(*right) - cost;
+        let mut earned = vec![0.0; model.kind_count()];
+        self.decide(&mut Vec::new(), &vec![1.0; model.kind_count()], &mut earned);
         Looks {
-            worth: right.iter().map(worth).collect(),
+            worth: earned.iter().map(|earned| discount * earned - cost).collect(),
             discount: discount * model.discount(),
             first: path.first().copied(),
             end: at,
         }
     }
 
-    /// Add to `right` how likely each class gives the labels by which it is decided, those seen so far coming first.
-    fn decide(&self, seen: &mut Vec<Label>, likelihoods: &[f64], right: &mut [f64]) {
+    /// Add to `earned` the reward of the decision by the labels, weighted by how likely each kind gives them, those seen
+    /// so far coming first.
+    fn decide(&self, seen: &mut Vec<Label>, likelihoods: &[f64], earned: &mut [f64]) {
         let Self { model, path } = self;
         let Some(&viewpoint) = path.get(seen.len()) else {
             let joint: Vec<f64> = likelihoods.iter().zip(model.arrival()).map(|(l, p)| l * p).collect();
-            let (class, _) = most_likely(&joint);
-            right[class.0] += likelihoods[class.0];
+            let (bin, _) = model.best_decision(&joint);
+            for ((earned, likelihood), kind) in earned.iter_mut().zip(likelihoods).zip(model.kinds()) {
+                *earned += likelihood * model.reward(bin, kind);
+            }
             return;
         };
         let last = path.iter().zip(&*seen).rev().find(|(from, _)| **from == viewpoint).map(|(_, z)| *z);
@@ -213,7 +206,7 @@ impl Path<'_> {
             let of_label = model.likelihoods(Look { position: Position(0), viewpoint, last }, label);
             let likelihoods: Vec<f64> = likelihoods.iter().zip(of_label).map(|(l, p)| l * p).collect();
             seen.push(label);
-            self.decide(seen, &likelihoods, right);
+            self.decide(seen, &likelihoods, earned);
             seen.pop();
         }
     }

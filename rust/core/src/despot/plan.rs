@@ -9,7 +9,7 @@ use super::{Bounds, Search};
 use crate::belief::Belief;
 use crate::config::{Budget, DespotConfig};
 use crate::error::{Result, argument_error, model_error};
-use crate::index::{Class, Viewpoint};
+use crate::index::{Bin, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::plan::Plan;
 use crate::policy::Policy;
@@ -54,11 +54,11 @@ impl Despot {
             );
         }
         let positions = u32::try_from(model.position_count()).unwrap_or(u32::MAX);
-        if (model.class_count() as u64).checked_pow(positions).is_none() {
+        if (model.label_count() as u64).checked_pow(positions).is_none() {
             return argument_error(format!(
                 "{} classes at {} positions give more label vectors than 64 bits can number; plan for fewer positions, or with \
                  exact beliefs",
-                model.class_count(),
+                model.label_count(),
                 model.position_count()
             ));
         }
@@ -163,8 +163,8 @@ impl Search<'_> {
         let mut scratch = std::mem::take(&mut despot.scratch);
         let root = despot[ROOT];
         let (_, default) = self.default_policy(&root, despot.scenarios(ROOT), &mut scratch.bounds);
-        let shares = &scratch.bounds[0][..self.model.class_count()];
-        let reward = |class: Class| self.model.decision_reward(shares[class.0]);
+        let shares = &scratch.bounds[0][..self.model.kind_count()];
+        let reward = |bin: Bin| self.model.expected_decision_reward(bin, shares);
         let (mut best, mut values) = ((default, root.default), Vec::new());
         for edge in root.edges().map(|edge| despot[edge]) {
             let value = edge.values.lower;
@@ -173,10 +173,10 @@ impl Search<'_> {
             }
             match edge.action {
                 Action::Move(_) => values.push((edge.action, value)),
-                Action::Decide(likely) => values.extend(
+                Action::Decide(best_bin) => values.extend(
                     self.model
-                        .classes()
-                        .map(|class| (Action::Decide(class), value + reward(class) - reward(likely))),
+                        .bins()
+                        .map(|bin| (Action::Decide(bin), value + reward(bin) - reward(best_bin))),
                 ),
             }
         }

@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use super::tree::{EdgeId, Node, NodeId, Tree, Word};
 use super::{Histogram, Search};
-use crate::belief::most_likely;
-use crate::index::{Class, Position, Viewpoint};
+use crate::index::{Bin, Position, Viewpoint};
 use crate::model::{Action, Look, SortingModel};
 use crate::remaining::Remaining;
 use crate::scenario::{LookPoint, Scenarios};
@@ -52,7 +51,7 @@ pub(super) struct Scratch {
     pub set: Vec<Word>,
     /// Those of its children, and the same one label earlier.
     pub groups: [Groups; 2],
-    /// Class shares, and what [`super::Bounds`] makes of them.
+    /// Shares of kinds, and what [`super::Bounds`] makes of them.
     pub bounds: [Vec<f64>; 2],
 }
 
@@ -63,12 +62,12 @@ impl Search<'_> {
         f64::from(node.count) / self.scenarios.count() as f64 * self.discounts[node.depth]
     }
 
-    /// The class most frequent at the belt end, and its share.
+    /// The decision that earns most on the average over the scenarios, and what it earns.
     #[inline(always)]
-    pub(super) fn most_frequent(&self, node: &Node, scratch: &mut Scratch) -> (Class, f64) {
+    pub(super) fn best_decision(&self, node: &Node, scratch: &mut Scratch) -> (Bin, f64) {
         let Scratch { set, bounds: [shares, _], .. } = scratch;
-        class_shares(&self.scenarios, (set, node.count), node.decisions..node.decisions + 1, shares);
-        most_likely(shares)
+        kind_shares(&self.scenarios, (set, node.count), node.decisions..node.decisions + 1, shares);
+        self.model.best_decision(shares)
     }
 
     /// The default policy's value at a node, and its first action.
@@ -82,7 +81,7 @@ impl Search<'_> {
         let &Node { viewpoint, fresh, decisions, count, .. } = node;
         let remaining = self.remaining.after(decisions);
         let visible = remaining.visible(self.model.position_count());
-        class_shares(&self.scenarios, (set, count), decisions..decisions + visible, shares);
+        kind_shares(&self.scenarios, (set, count), decisions..decisions + visible, shares);
         self.bounds.default_policy(&Histogram { shares, remaining, viewpoint, fresh }, scratch)
     }
 
@@ -99,9 +98,9 @@ impl Search<'_> {
             let last = if moved { None } else { tree.last_label(self.model, b, (position, viewpoint)) };
             let look = Look { position, viewpoint, last };
             let planes = self.scenarios.labels(LookPoint { depth, decisions, look });
-            groups.divide((planes, self.model.class_count()), unit, next);
+            groups.divide((planes, self.model.label_count()), unit, next);
             std::mem::swap(groups, next);
-            unit = unit.wrapping_mul(self.model.class_count() as u64);
+            unit = unit.wrapping_mul(self.model.label_count() as u64);
         }
     }
 }
@@ -128,26 +127,26 @@ pub(super) fn count(set: &[Word]) -> u32 {
     set.iter().map(|(_, bits)| bits.count_ones()).sum()
 }
 
-/// The share of each class among the scenarios of a set, object by object.
+/// The share of each kind among the scenarios of a set, object by object.
 #[inline(always)]
-fn class_shares(
+fn kind_shares(
     scenarios: &Scenarios<'_>,
     (set, all): (&[Word], u32),
     objects: Range<usize>,
     shares: &mut Vec<f64>,
 ) {
     shares.clear();
-    let (classes, one) = (scenarios.class_count(), 1.0 / f64::from(all));
+    let (kinds, one) = (scenarios.kind_count(), 1.0 / f64::from(all));
     for object in objects {
-        let planes = scenarios.classes(object);
+        let planes = scenarios.kinds(object);
         let (mut left, first) = (all, shares.len());
-        shares.resize(first + classes, 0.0);
-        for (class, share) in shares[first..].iter_mut().enumerate() {
-            let plane = &planes[class * scenarios.words()..];
-            let of_class: u32 =
+        shares.resize(first + kinds, 0.0);
+        for (kind, share) in shares[first..].iter_mut().enumerate() {
+            let plane = &planes[kind * scenarios.words()..];
+            let of_kind: u32 =
                 set.iter().map(|(word, bits)| (bits & plane[*word as usize]).count_ones()).sum();
-            *share = f64::from(of_class) * one;
-            left -= of_class;
+            *share = f64::from(of_kind) * one;
+            left -= of_kind;
             if left == 0 {
                 break;
             }
@@ -166,7 +165,7 @@ pub(super) struct Groups {
 /// Scenarios that have given the same labels.
 #[derive(Debug, Clone)]
 struct Group {
-    /// The labels so far, as digits in base L.
+    /// The labels so far, as digits in base Z.
     labels: u64,
     words: Range<usize>,
     /// Number of scenarios.

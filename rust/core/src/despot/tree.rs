@@ -323,11 +323,11 @@ pub(super) fn first_best<T: Copy>(among: impl Iterator<Item = T>, value: impl Fn
         .map(|(best, _)| best)
 }
 
-/// A position's label, given the code of a scan's labels: digits in base L, the belt end's last.
+/// A position's label, given the code of a scan's labels: digits in base Z, the belt end's last.
 fn nth_label(model: &SortingModel, labels: u64, position: Position) -> Label {
-    let base = model.class_count() as u64;
+    let base = model.label_count() as u64;
     let digit = (0..position.0).fold(labels, |code, _| code / base) % base;
-    // A digit is below L, which is a usize.
+    // A digit is below Z, which is a usize.
     #[allow(clippy::cast_possible_truncation)]
     let label = Label(digit as usize);
     label

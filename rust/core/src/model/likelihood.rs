@@ -1,4 +1,4 @@
-//! The likelihood of a label, `P(z | j, v, c)`, given the last label from the same viewpoint.
+//! The likelihood of a label, `P(z | j, v, n)`, given the last label from the same viewpoint.
 //!
 //! Two looks from one viewpoint at one object that has not moved share pose and view, so they agree far more often
 //! than independence says. With probability `repeat` the second only returns the label of the first:
@@ -6,7 +6,7 @@
 //! `P(z' | z, v, c) = repeat [z' = z] + (1 - repeat) P(z' | v, c)`.
 
 use super::SortingModel;
-use crate::index::{Class, Label, Position, Viewpoint};
+use crate::index::{Kind, Label, Position, Viewpoint};
 
 /// One look at one object, before its label is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,26 +42,26 @@ impl SortingModel {
         self.repeat.iter().any(|repeat| *repeat > 0.0)
     }
 
-    /// `P(label | class)` of a look.
+    /// `P(label | kind)` of a look.
     #[must_use]
-    pub fn likelihood(&self, look: Look, label: Label, class: Class) -> f64 {
+    pub fn likelihood(&self, look: Look, label: Label, kind: Kind) -> f64 {
         let (repeated, fresh) = self.mixture(look, label);
-        repeated + fresh * self.table(look.position, look.viewpoint)[(class.0, label.0)]
+        repeated + fresh * self.table(look.position, look.viewpoint)[(kind.0, label.0)]
     }
 
-    /// The likelihood of `label` for one class after the other.
+    /// The likelihood of `label` for one kind after the other.
     #[inline(always)]
     pub fn likelihoods(&self, look: Look, label: Label) -> impl Iterator<Item = f64> + Clone + '_ {
         let (repeated, fresh) = self.mixture(look, label);
-        let l = self.class_count();
+        let n = self.kind_count();
         // Tables lie column by column.
-        let column = &self.table(look.position, look.viewpoint).as_slice()[label.0 * l..][..l];
+        let column = &self.table(look.position, look.viewpoint).as_slice()[label.0 * n..][..n];
         column.iter().map(move |p| repeated + fresh * p)
     }
 
-    /// The distribution of the label that an object of `class` gives.
-    pub fn label_distribution(&self, look: Look, class: Class) -> impl Iterator<Item = f64> + '_ {
-        self.labels().map(move |label| self.likelihood(look, label, class))
+    /// The distribution of the label that an object of a kind gives.
+    pub fn label_distribution(&self, look: Look, kind: Kind) -> impl Iterator<Item = f64> + '_ {
+        self.labels().map(move |label| self.likelihood(look, label, kind))
     }
 
     /// Probability that the label only repeats the one before it, and the weight of the table.

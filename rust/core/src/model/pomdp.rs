@@ -1,8 +1,8 @@
 //! The model as a flat POMDP in Cassandra's file format (<http://www.pomdp.org/code/pomdp-file-spec.html>), for
 //! other solvers.
 //!
-//! * A state is the class at every position (`c1_c0`: class 1 at the belt end), with the viewpoint in front
-//!   (`v2_c1_c0`) unless it does not matter.
+//! * A state is the kind at every position (`c1_c0`: kind 1 at the belt end), with the viewpoint in front
+//!   (`v2_c1_c0`) unless it does not matter. In the paper's model kinds are classes.
 //! * The actions are `move_k` and `decide_i`. Every action is open in every state of such a file: a move that
 //!   `travel` forbids costs so much that it is never optimal ([`Flat::forbidden`]).
 //! * An observation is the label at every position (`z1_z0`), or `nothing` after a decision that no scan follows.
@@ -15,7 +15,7 @@ use std::path::Path;
 
 use super::{SortingModel, shift};
 use crate::error::{Error, Result, model_error};
-use crate::index::{Class, Label, Viewpoint};
+use crate::index::{Bin, Kind, Label, Viewpoint};
 
 #[cfg(test)]
 mod tests;
@@ -47,55 +47,72 @@ struct Flat<'a> {
     model: &'a SortingModel,
     /// How many viewpoints the states tell apart: K, or 1 if the viewpoint does not matter.
     viewpoints: usize,
-    /// L^H, the number of class vectors and of label vectors.
-    vectors: usize,
+    /// N^H, the number of kind vectors.
+    kind_vectors: usize,
+    /// Z^H, the number of label vectors.
+    label_vectors: usize,
 }
 
-/// The camera's viewpoint (0 if it does not matter) and the class at each position.
+/// The camera's viewpoint (0 if it does not matter) and the kind at each position.
 #[derive(Clone)]
 struct State {
     viewpoint: Viewpoint,
-    classes: Vec<Class>,
+    kinds: Vec<Kind>,
 }
 
 impl<'a> Flat<'a> {
     fn new(model: &'a SortingModel) -> Result<Self> {
         check_expressible(model)?;
         let viewpoints = if viewpoint_matters(model) { model.viewpoint_count() } else { 1 };
-        let (h, l) = (model.position_count(), model.class_count());
-        let vectors = u32::try_from(h).ok().and_then(|h| l.checked_pow(h));
-        let entries = vectors.and_then(|n| n.checked_mul(n)?.checked_mul(viewpoints));
-        match (vectors, entries) {
-            (Some(vectors), Some(..=MOST_ENTRIES)) => Ok(Self { model, viewpoints, vectors }),
-            _ => model_error(format!(
-                "{l} classes at {h} positions from {viewpoints} viewpoints give {viewpoints} * {l}^{h} states and {l}^{h} \
-                 observations, more than {MOST_ENTRIES} pairs; keep fewer positions (with_positions)"
-            )),
+        let (h, n, z) = (model.position_count(), model.kind_count(), model.label_count());
+        let power = |base: usize| u32::try_from(h).ok().and_then(|h| base.checked_pow(h));
+        if let (Some(kind_vectors), Some(label_vectors)) = (power(n), power(z))
+            && let Some(..=MOST_ENTRIES) =
+                kind_vectors.checked_mul(label_vectors).and_then(|pairs| pairs.checked_mul(viewpoints))
+        {
+            return Ok(Self { model, viewpoints, kind_vectors, label_vectors });
         }
+        let kinds = if model.has_modes() { "modes of classes" } else { "classes" };
+        model_error(format!(
+            "{n} {kinds} at {h} positions from {viewpoints} viewpoints give {viewpoints} * {n}^{h} states and {z}^{h} \
+             observations, more than {MOST_ENTRIES} pairs; keep fewer positions (with_positions)"
+        ))
     }
 
     fn write(&self, out: &mut impl Write) -> io::Result<()> {
         self.preamble(out)?;
         self.model.viewpoints().try_for_each(|to| self.motion(out, to))?;
-        self.model.classes().try_for_each(|class| self.decision(out, class))
+        self.model.bins().try_for_each(|bin| self.decision(out, bin))
     }
 
     fn preamble(&self, out: &mut impl Write) -> io::Result<()> {
         let spec = self.model.spec();
         writeln!(out, "# A sorting POMDP, written by beltsort. Names count from 0.")?;
-        writeln!(out, "# classes and labels: {:?}", spec.classes)?;
+        self.names(out)?;
         writeln!(out, "# viewpoints: {:?}", spec.viewpoints)?;
         writeln!(out, "# a forbidden move costs {}", number(self.forbidden()))?;
         writeln!(out, "discount: {}", number(spec.discount))?;
         writeln!(out, "values: reward")?;
         writeln!(out, "states: {}", joined(self.states().map(|state| self.name(&state))))?;
         let moves = self.model.viewpoints().map(|v| format!("move_{v}"));
-        let decisions = self.model.classes().map(|class| format!("decide_{class}"));
+        let decisions = self.model.bins().map(|bin| format!("decide_{bin}"));
         writeln!(out, "actions: {}", joined(moves.chain(decisions)))?;
         let nothing = (!self.model.observes_after_decision()).then(|| "nothing".to_owned());
         let labels = self.label_vectors().map(|labels| vector_name('z', &labels));
         writeln!(out, "observations: {}", joined(labels.chain(nothing)))?;
         writeln!(out, "start: {}", joined(self.states().map(|state| number(self.start(&state)))))
+    }
+
+    /// What the numbers in names stand for.
+    fn names(&self, out: &mut impl Write) -> io::Result<()> {
+        let spec = self.model.spec();
+        if spec.labels.is_none() && spec.bins.is_none() && !self.model.has_modes() {
+            return writeln!(out, "# classes and labels: {:?}", spec.classes);
+        }
+        let class = |kind| &spec.classes[self.model.class_of(kind).0];
+        writeln!(out, "# class of each kind: {:?}", self.model.kinds().map(class).collect::<Vec<_>>())?;
+        writeln!(out, "# labels: {:?}", self.model.label_names())?;
+        writeln!(out, "# bins: {:?}", self.model.bin_names())
     }
 
     fn motion(&self, out: &mut impl Write, to: Viewpoint) -> io::Result<()> {
@@ -115,7 +132,7 @@ impl<'a> Flat<'a> {
         Ok(())
     }
 
-    fn decision(&self, out: &mut impl Write, decided: Class) -> io::Result<()> {
+    fn decision(&self, out: &mut impl Write, decided: Bin) -> io::Result<()> {
         let action = format!("decide_{decided}");
         let scans = self.model.observes_after_decision();
         if !scans {
@@ -123,14 +140,14 @@ impl<'a> Flat<'a> {
         }
         for state in self.states() {
             let name = self.name(&state);
-            let arriving = self.model.classes().zip(self.model.arrival());
-            for (class, &p) in arriving.filter(|(_, p)| **p > 0.0) {
+            let arriving = self.model.kinds().zip(self.model.arrival());
+            for (kind, &p) in arriving.filter(|(_, p)| **p > 0.0) {
                 let mut next = state.clone();
-                shift(&mut next.classes, std::iter::once(class));
+                shift(&mut next.kinds, std::iter::once(kind));
                 writeln!(out, "T: {action} : {name} : {} {}", self.name(&next), number(p))?;
             }
-            let right = f64::from(u8::from(state.classes[0] == decided));
-            writeln!(out, "R: {action} : {name} : * : * {}", number(self.model.decision_reward(right)))?;
+            let reward = self.model.reward(decided, state.kinds[0]);
+            writeln!(out, "R: {action} : {name} : * : * {}", number(reward))?;
             if scans {
                 self.scan(out, &action, &state, state.viewpoint)?;
             }
@@ -148,7 +165,7 @@ impl<'a> Flat<'a> {
     ) -> io::Result<()> {
         let name = self.name(state);
         for labels in self.label_vectors() {
-            let seen = self.model.positions().zip(state.classes.iter().zip(&labels));
+            let seen = self.model.positions().zip(state.kinds.iter().zip(&labels));
             let p: f64 = seen.map(|(j, (c, z))| self.model.table(j, viewpoint)[(c.0, z.0)]).product();
             if p > 0.0 {
                 writeln!(out, "O: {action} : {name} : {} {}", vector_name('z', &labels), number(p))?;
@@ -165,39 +182,41 @@ impl<'a> Flat<'a> {
         }
     }
 
-    /// The cost of a forbidden move: nothing that follows can be worth `r_max / (1 - discount)` or more, and
-    /// deciding for ever loses `r_min / (1 - discount)` at most.
+    /// The cost of a forbidden move: nothing that follows can be worth more than the largest reward for ever, and
+    /// deciding for ever earns the least one at worst.
     fn forbidden(&self) -> f64 {
-        (self.model.spec().r_max + self.model.spec().r_min) / (1.0 - self.model.discount())
+        (self.model.most_reward() - self.model.least_reward()) / (1.0 - self.model.discount())
     }
 
     fn start(&self, state: &State) -> f64 {
         if state.viewpoint != Viewpoint(0) {
             return 0.0;
         }
-        state.classes.iter().map(|c| self.model.arrival()[c.0]).product()
+        state.kinds.iter().map(|c| self.model.arrival()[c.0]).product()
     }
 
-    /// Every state, in the order of the file: by viewpoint, then by the class at the belt end, and so on.
+    /// Every state, in the order of the file: by viewpoint, then by the kind at the belt end, and so on.
     fn states(&self) -> impl Iterator<Item = State> {
         (0..self.viewpoints).map(Viewpoint).flat_map(move |viewpoint| {
-            (0..self.vectors).map(move |index| State { viewpoint, classes: self.vector(index, Class) })
+            (0..self.kind_vectors).map(move |index| {
+                let kinds = self.vector((index, self.model.kind_count()), Kind);
+                State { viewpoint, kinds }
+            })
         })
     }
 
     /// Every vector of labels, in the order of the file.
     fn label_vectors(&self) -> impl Iterator<Item = Vec<Label>> {
-        (0..self.vectors).map(|index| self.vector(index, Label))
+        (0..self.label_vectors).map(|index| self.vector((index, self.model.label_count()), Label))
     }
 
-    /// The class or label vector with this number, position 0 first (and most significant).
-    fn vector<T>(&self, index: usize, entry: fn(usize) -> T) -> Vec<T> {
-        let l = self.model.class_count();
+    /// The vector with this number among those of so many kinds or labels, position 0 first (and most significant).
+    fn vector<T>(&self, (index, base): (usize, usize), entry: fn(usize) -> T) -> Vec<T> {
         let mut rest = index;
         let mut entries: Vec<T> = (0..self.model.position_count())
             .map(|_| {
-                let digit = rest % l;
-                rest /= l;
+                let digit = rest % base;
+                rest /= base;
                 entry(digit)
             })
             .collect();
@@ -206,8 +225,8 @@ impl<'a> Flat<'a> {
     }
 
     fn name(&self, state: &State) -> String {
-        let classes = vector_name('c', &state.classes);
-        if self.viewpoints == 1 { classes } else { format!("v{}_{classes}", state.viewpoint) }
+        let kinds = vector_name('c', &state.kinds);
+        if self.viewpoints == 1 { kinds } else { format!("v{}_{kinds}", state.viewpoint) }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::SortingModel;
 use crate::error::{Result, argument_error};
-use crate::index::{Class, Label, Position, Viewpoint};
+use crate::index::{Bin, Class, Kind, Label, Position, Viewpoint};
 
 impl SortingModel {
     /// H, the number of belt positions seen at once.
@@ -23,10 +23,31 @@ impl SortingModel {
         self.spec.classes.len()
     }
 
-    /// The number of labels that one look may yield: one per class.
+    /// N, the number of kinds: of the modes of all classes.
     #[must_use]
+    #[inline(always)]
+    pub fn kind_count(&self) -> usize {
+        self.arrival.len()
+    }
+
+    /// Z, the number of labels that one look may yield.
+    #[must_use]
+    #[inline(always)]
     pub fn label_count(&self) -> usize {
-        self.class_count()
+        self.label_names().len()
+    }
+
+    /// B, the number of bins that a decision chooses from.
+    #[must_use]
+    pub fn bin_count(&self) -> usize {
+        self.bin_names().len()
+    }
+
+    /// Whether some class has several modes.
+    #[must_use]
+    #[inline(always)]
+    pub fn has_modes(&self) -> bool {
+        self.kind_count() != self.class_count()
     }
 
     /// The belt positions, the belt end first.
@@ -42,6 +63,38 @@ impl SortingModel {
     /// The classes.
     pub fn classes(&self) -> impl DoubleEndedIterator<Item = Class> + Clone + use<> {
         (0..self.class_count()).map(Class)
+    }
+
+    /// The kinds, ordered by class.
+    pub fn kinds(&self) -> impl DoubleEndedIterator<Item = Kind> + Clone + use<> {
+        (0..self.kind_count()).map(Kind)
+    }
+
+    /// The kinds of one class, by their numbers.
+    #[must_use]
+    #[inline(always)]
+    pub fn kinds_of(&self, class: Class) -> std::ops::Range<usize> {
+        self.first_kinds[class.0]..self.first_kinds[class.0 + 1]
+    }
+
+    /// The class of a kind.
+    #[must_use]
+    pub fn class_of(&self, kind: Kind) -> Class {
+        Class(self.first_kinds.partition_point(|first| *first <= kind.0) - 1)
+    }
+
+    /// Weight of a kind's mode among those of its class: how likely an arriving object of the class has it.
+    #[must_use]
+    pub fn mode_weight(&self, kind: Kind) -> f64 {
+        let class = self.class_of(kind);
+        let Some(modes) = &self.spec.modes else { return 1.0 };
+        let weights = &modes[class.0];
+        weights[kind.0 - self.first_kinds[class.0]] / weights.iter().sum::<f64>()
+    }
+
+    /// The bins.
+    pub fn bins(&self) -> impl DoubleEndedIterator<Item = Bin> + Clone + use<> {
+        (0..self.bin_count()).map(Bin)
     }
 
     /// The labels.
@@ -68,12 +121,20 @@ impl SortingModel {
         check_named("viewpoint", viewpoint.0, &self.spec.viewpoints)
     }
 
-    /// Check that a class exists; to users it is a label.
+    /// Check that a class exists.
     ///
     /// # Errors
     /// [`crate::Error::Argument`] naming the valid range.
     pub fn check_class(&self, class: Class) -> Result<()> {
-        check_named("label", class.0, &self.spec.classes)
+        check_named("class", class.0, &self.spec.classes)
+    }
+
+    /// Check that a bin exists.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] naming the valid range.
+    pub fn check_bin(&self, bin: Bin) -> Result<()> {
+        check_named(if self.spec.bins.is_some() { "bin" } else { "label" }, bin.0, self.bin_names())
     }
 
     /// Check that a label exists.
@@ -81,7 +142,7 @@ impl SortingModel {
     /// # Errors
     /// [`crate::Error::Argument`] naming the valid range.
     pub fn check_label(&self, label: Label) -> Result<()> {
-        check_named("label", label.0, &self.spec.classes)
+        check_named("label", label.0, self.label_names())
     }
 
     /// The name of a viewpoint, which must exist.
@@ -91,7 +152,19 @@ impl SortingModel {
 
     /// The name of a label, which must exist.
     pub(crate) fn label_name(&self, label: Label) -> &str {
-        &self.spec.classes[label.0]
+        &self.label_names()[label.0]
+    }
+
+    /// Names of the labels: those given, or the classes.
+    #[must_use]
+    pub fn label_names(&self) -> &[String] {
+        self.spec.labels.as_ref().unwrap_or(&self.spec.classes)
+    }
+
+    /// Names of the bins: those given, or the classes.
+    #[must_use]
+    pub fn bin_names(&self) -> &[String] {
+        self.spec.bins.as_ref().unwrap_or(&self.spec.classes)
     }
 }
 

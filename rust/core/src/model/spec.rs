@@ -27,7 +27,7 @@ impl ScalarOrMatrix {
     }
 }
 
-/// Observation tables `p_obs[position][viewpoint][true class][observed class]`.
+/// Observation tables `p_obs[position][viewpoint][kind][label]`; in the paper's model kinds and labels are the classes.
 pub type Tables<T> = Vec<Vec<Vec<Vec<T>>>>;
 
 /// A sorting model as written down by its user; [`crate::SortingModel::new`] checks it.
@@ -39,8 +39,20 @@ pub struct ModelSpec {
     pub classes: Vec<String>,
     /// Names of the viewpoints, `p_1..p_K`.
     pub viewpoints: Vec<String>,
-    /// Observation tables of shape (H, K, L, L); rows sum to 1.
+    /// Observation tables of shape (H, K, N, Z); rows sum to 1.
     pub p_obs: Tables<f64>,
+    /// Names of the Z labels that one look may yield; the classes if missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub labels: Option<Vec<String>>,
+    /// Names of the B bins that a decision chooses from; the classes if missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bins: Option<Vec<String>>,
+    /// Worth of putting class c into bin b, shape (B, L); if missing `r_max` for the class's own bin and `-r_min` elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reward: Option<Vec<Vec<f64>>>,
+    /// Weights of the modes of each class, which sum to 1; one mode each if missing. A mode is drawn when an object arrives.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<Vec<Vec<f64>>>,
     /// Reward of a right decision.
     #[serde(default = "default_r_max")]
     pub r_max: f64,
@@ -90,10 +102,14 @@ pub const DEFAULT_R_MIN: f64 = 50.0;
 /// Discount per planner step, likewise; usual for DESPOT, the paper prints none.
 pub const DEFAULT_DISCOUNT: f64 = 0.95;
 
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 20] = [
     "classes",
     "viewpoints",
     "p_obs",
+    "labels",
+    "bins",
+    "reward",
+    "modes",
     "r_max",
     "r_min",
     "motion_cost",
@@ -108,6 +124,9 @@ const KEYS: [&str; 16] = [
     "smoothing",
     "note",
 ];
+
+/// Keys that `reward` takes the place of.
+const PAPERS: [&str; 2] = ["r_max", "r_min"];
 
 fn default_r_max() -> f64 {
     DEFAULT_R_MAX
@@ -133,6 +152,10 @@ impl ModelSpec {
             classes,
             viewpoints,
             p_obs,
+            labels: None,
+            bins: None,
+            reward: None,
+            modes: None,
             r_max: default_r_max(),
             r_min: default_r_min(),
             motion_cost: default_motion_cost(),
@@ -161,6 +184,13 @@ impl ModelSpec {
                 "a model file holds one JSON object, with the keys classes, viewpoints and p_obs at least",
             );
         };
+        if let (Some(_), Some(key)) =
+            (fields.get("reward"), PAPERS.iter().find(|key| fields.contains_key(**key)))
+        {
+            return model_error(format!(
+                "reward and {key} are both given; reward takes its place: leave {key} out"
+            ));
+        }
         if let Some(key) = fields.keys().find(|key| !KEYS.contains(&key.as_str())) {
             return model_error(unknown_key(key));
         }
@@ -172,8 +202,15 @@ impl ModelSpec {
     /// # Errors
     /// [`Error::Model`] if a number is not finite, which JSON cannot hold.
     pub fn to_json(&self) -> Result<String> {
-        serde_json::to_string_pretty(self)
-            .map_err(|e| Error::Model(format!("the model cannot be written as JSON: {e}")))
+        let error = |e| Error::Model(format!("the model cannot be written as JSON: {e}"));
+        if self.reward.is_none() {
+            return serde_json::to_string_pretty(self).map_err(error);
+        }
+        let mut value = serde_json::to_value(self).map_err(error)?;
+        if let Some(fields) = value.as_object_mut() {
+            fields.retain(|key, _| !PAPERS.contains(&key.as_str()));
+        }
+        serde_json::to_string_pretty(&value).map_err(error)
     }
 
     /// Read a model file from disk.

@@ -1,7 +1,7 @@
 //! What an action does, whatever is seen afterwards: to the camera, to the belt, and what it costs.
 
 use super::{Action, SortingModel};
-use crate::index::{Class, Viewpoint};
+use crate::index::{Bin, Viewpoint};
 use crate::remaining::Remaining;
 
 /// What an action does before anything is seen.
@@ -11,8 +11,8 @@ pub(crate) struct Step {
     pub viewpoint: Viewpoint,
     /// Objects left to decide afterwards.
     pub remaining: Remaining,
-    /// What the object at the belt end is sorted as, if it is: then the belt advances.
-    pub decided: Option<Class>,
+    /// The bin that the object at the belt end goes to, if it is sorted: then the belt advances.
+    pub decided: Option<Bin>,
     /// From where a scan follows within the same step, if one does.
     pub scan: Option<Viewpoint>,
     /// What the motion costs.
@@ -33,11 +33,11 @@ impl SortingModel {
                 scan: Some(to),
                 cost: self.motion_cost(viewpoint, to),
             },
-            Action::Decide(class) => {
+            Action::Decide(bin) => {
                 let remaining = remaining.after(1);
                 let scans = self.observes_after_decision() && !remaining.is_over();
                 let scan = scans.then_some(viewpoint);
-                Step { viewpoint, remaining, decided: Some(class), scan, cost: 0.0 }
+                Step { viewpoint, remaining, decided: Some(bin), scan, cost: 0.0 }
             }
         }
     }
@@ -45,7 +45,7 @@ impl SortingModel {
     /// What a step is expected to earn, any bonus left aside, given the distribution of the object at the belt end.
     #[inline(always)]
     pub(crate) fn expected_reward(&self, step: &Step, belt_end: &[f64]) -> f64 {
-        step.decided.map_or(-step.cost, |class| self.decision_reward(belt_end[class.0]))
+        step.decided.map_or(-step.cost, |bin| self.expected_decision_reward(bin, belt_end))
     }
 }
 
@@ -100,11 +100,11 @@ mod tests {
     #[test]
     fn a_decision_moves_the_belt_and_a_scan_follows_if_there_is_something_to_see() {
         let scan_after = |observes, objects| {
-            let class = Class(1);
-            let step = model(observes).step(Action::Decide(class), FROM, Remaining(objects));
+            let bin = Bin(1);
+            let step = model(observes).step(Action::Decide(bin), FROM, Remaining(objects));
             let remaining = Remaining(objects.map(|objects| objects - 1));
             let scan = step.scan;
-            assert_eq!(step, Step { viewpoint: FROM, remaining, decided: Some(class), scan, cost: 0.0 });
+            assert_eq!(step, Step { viewpoint: FROM, remaining, decided: Some(bin), scan, cost: 0.0 });
             step.scan
         };
         for objects in [None, Some(2), Some(1)] {
@@ -123,7 +123,7 @@ mod tests {
             model.expected_reward(&step, &[0.25, 0.75])
         };
         assert!((earned(Action::Move(Viewpoint(0))) + 3.0).abs() < 1e-12);
-        assert!((earned(Action::Decide(Class(1))) - (0.75 * 10.0 - 0.25 * 50.0)).abs() < 1e-12);
+        assert!((earned(Action::Decide(Bin(1))) - (0.75 * 10.0 - 0.25 * 50.0)).abs() < 1e-12);
     }
 
     proptest! {

@@ -11,7 +11,12 @@ const ROW_TOLERANCE: f64 = 1e-6;
 pub(super) fn validate(spec: &ModelSpec) -> Result<()> {
     names("classes", &spec.classes, 2)?;
     names("viewpoints", &spec.viewpoints, 1)?;
+    if let Some(labels) = &spec.labels {
+        names("labels", labels, 1)?;
+    }
+    modes(spec)?;
     tables(spec)?;
+    bins(spec)?;
     rewards(spec)?;
     if let Some(arrival) = &spec.arrival {
         if arrival.len() != spec.classes.len() {
@@ -63,23 +68,85 @@ fn names(what: &str, names: &[String], least: usize) -> Result<()> {
 }
 
 fn tables(spec: &ModelSpec) -> Result<()> {
-    let (k, l) = (spec.viewpoints.len(), spec.classes.len());
+    let k = spec.viewpoints.len();
+    let kinds = kinds(spec);
+    let of_rows = if spec.modes.is_some() { "mode of each class" } else { "true class" };
+    let labels = spec.labels.as_ref().unwrap_or(&spec.classes).len();
+    let of_entries = if spec.labels.is_some() { "label" } else { "observed class" };
     if spec.p_obs.is_empty() {
-        return model_error("p_obs has no position; its shape is (H, K, L, L) with H at least 1");
+        return model_error(format!("p_obs has no position; its shape is {} with H at least 1", shape(spec)));
     }
     for (j, position) in spec.p_obs.iter().enumerate() {
         length(&format!("p_obs[{j}]"), position.len(), k, "viewpoint")?;
         for (v, table) in position.iter().enumerate() {
-            length(&format!("p_obs[{j}][{v}]"), table.len(), l, "true class")?;
-            for (c, row) in table.iter().enumerate() {
-                let name = format!(
-                    "p_obs[{j}][{v}][{c}] (viewpoint {:?}, true class {:?})",
-                    spec.viewpoints[v], spec.classes[c]
-                );
-                length(&name, row.len(), l, "observed class")?;
+            length(&format!("p_obs[{j}][{v}]"), table.len(), kinds.len(), of_rows)?;
+            for ((n, row), kind) in table.iter().enumerate().zip(&kinds) {
+                let name = format!("p_obs[{j}][{v}][{n}] (viewpoint {:?}, {kind})", spec.viewpoints[v]);
+                length(&name, row.len(), labels, of_entries)?;
                 distribution(&name, row)?;
             }
         }
+    }
+    Ok(())
+}
+
+/// What each row of a table is of, in words.
+fn kinds(spec: &ModelSpec) -> Vec<String> {
+    let of_class = |(c, class): (usize, &String)| -> Vec<String> {
+        let modes = spec.modes.as_ref().map_or(1, |modes| modes[c].len());
+        let mode = |m| format!("true class {class:?}, mode {m}");
+        if modes == 1 { vec![format!("true class {class:?}")] } else { (0..modes).map(mode).collect() }
+    };
+    spec.classes.iter().enumerate().flat_map(of_class).collect()
+}
+
+/// The shape of the tables, in the letters of the keys that are set.
+fn shape(spec: &ModelSpec) -> String {
+    let kinds = if spec.modes.is_some() { "N" } else { "L" };
+    let labels = if spec.labels.is_some() { "Z" } else { "L" };
+    format!("(H, K, {kinds}, {labels})")
+}
+
+fn modes(spec: &ModelSpec) -> Result<()> {
+    let Some(modes) = &spec.modes else { return Ok(()) };
+    length("modes", modes.len(), spec.classes.len(), "class")?;
+    for (weights, class) in modes.iter().zip(&spec.classes) {
+        let name = format!("modes of class {class:?}");
+        if weights.is_empty() {
+            return model_error(format!(
+                "{name} are none; give the weight 1 to a class with one mode: [1.0]"
+            ));
+        }
+        distribution(&name, weights)?;
+    }
+    Ok(())
+}
+
+/// Bins and their rewards: either both follow from the classes, or each bin has a row of rewards.
+fn bins(spec: &ModelSpec) -> Result<()> {
+    if let Some(bins) = &spec.bins {
+        names("bins", bins, 1)?;
+    }
+    let bins = spec.bins.as_ref().unwrap_or(&spec.classes);
+    let Some(reward) = &spec.reward else {
+        if *bins == spec.classes {
+            return Ok(());
+        }
+        return model_error(format!(
+            "bins = {bins:?} are not the classes, so their worth does not follow from r_max and r_min; give reward, a row \
+             per bin with what each class is worth in it"
+        ));
+    };
+    let rewards = matrix("reward", reward, (bins.len(), "bin"), (spec.classes.len(), "class"))?;
+    if let Some(bad) = rewards.iter().find(|reward| !reward.is_finite()) {
+        return model_error(format!(
+            "reward holds {bad}; rewards are finite, and penalties are negative rewards"
+        ));
+    }
+    if rewards.iter().all(|reward| *reward <= 0.0) {
+        return model_error(
+            "reward holds nothing above 0, so nothing is worth deciding; give right bins a reward above 0",
+        );
     }
     Ok(())
 }
@@ -171,7 +238,11 @@ fn counts(spec: &ModelSpec) -> Result<()> {
                     .zip(b)
                     .all(|(a, b)| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.len() == b.len()))
         });
-    if same_shape { Ok(()) } else { model_error("counts and p_obs differ in shape; both are (H, K, L, L)") }
+    if same_shape {
+        Ok(())
+    } else {
+        model_error(format!("counts and p_obs differ in shape; both are {}", shape(spec)))
+    }
 }
 
 /// `repeat` lies in [0, 1): at 1 no second look would ever tell anything.

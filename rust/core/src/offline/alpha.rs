@@ -1,6 +1,6 @@
-//! Values of policies that can be executed, as vectors over the joint classes of all visible objects.
+//! Values of policies that can be executed, as vectors over the joint kinds of all visible objects.
 //!
-//! Joint class `c^1 + L c^2 + ...`. Following the best of the policies is worth the largest product with the joint
+//! Joint kind `n^1 + N n^2 + ...`. Following the best of the policies is worth the largest product with the joint
 //! belief, so that is a lower bound of V* at every belief.
 
 use crate::model::SortingModel;
@@ -24,8 +24,8 @@ impl AlphaVectors {
     }
 }
 
-/// Value of executing one plan per visible object, by joint class: from the last position to the first, `G(c)` plus
-/// `D(c)` times what follows.
+/// Value of executing one plan per visible object, by joint kind: from the last position to the first, `G(n)` plus
+/// `D(n)` times what follows.
 fn chain_values(model: &SortingModel, policy: &OneObjectPolicy, belief: &[f64]) -> DVector<f64> {
     let end = DVector::from_element(1, policy.arrival_values()[0]);
     policy.chain(model, belief).iter().rev().fold(end, |after, (gain, discount)| {
@@ -36,14 +36,14 @@ fn chain_values(model: &SortingModel, policy: &OneObjectPolicy, belief: &[f64]) 
 
 /// The product of the positions' distributions.
 pub(super) fn joint(model: &SortingModel, belief: &[f64]) -> DVector<f64> {
-    let positions = belief.chunks_exact(model.class_count());
+    let positions = belief.chunks_exact(model.kind_count());
     positions.fold(DVector::from_element(1, 1.0), |joint, position| {
         let size = joint.len();
         DVector::from_fn(size * position.len(), |i, _| joint[i % size] * position[i / size])
     })
 }
 
-/// Number of joint classes of all visible objects, and of label vectors.
-pub(super) fn joint_classes(model: &SortingModel) -> usize {
-    model.class_count().pow(u32::try_from(model.position_count()).unwrap_or(u32::MAX))
+/// Number of joint kinds of all visible objects.
+pub(super) fn joint_kinds(model: &SortingModel) -> usize {
+    model.kind_count().pow(u32::try_from(model.position_count()).unwrap_or(u32::MAX))
 }

@@ -39,7 +39,7 @@ impl Certificate {
             Source::Grid(grid) => grid.value(belief),
             Source::Prices(prices) => prices.value(belief, viewpoint),
         };
-        upper + SLACK * model.spec().r_max
+        upper + SLACK * model.reward_scale()
     }
 
     /// The bound at a belief, one exact step ahead.
@@ -48,7 +48,7 @@ impl Certificate {
             Source::Grid(grid) => grid.look_ahead(model, belief, viewpoint).1,
             Source::Prices(prices) => prices.upper(belief, viewpoint),
         };
-        upper + SLACK * model.spec().r_max
+        upper + SLACK * model.reward_scale()
     }
 }
 
@@ -85,7 +85,7 @@ impl Certificate {
         let mut bounds = ScanBounds {
             source: &self.0,
             labels: model.label_count(),
-            slack: SLACK * model.spec().r_max,
+            slack: SLACK * model.reward_scale(),
             located: Vec::new(),
             expected: Vec::new(),
         };

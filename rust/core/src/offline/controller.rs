@@ -1,7 +1,7 @@
 //! The belief graph as a policy, valued exactly from below: a finite-state controller.
 //!
 //! Inside the graph it takes the action with the highest upper bound. Its value from each node is a vector over the
-//! joint classes, so every node is itself a policy to continue with where the graph ends: that closes the graph upon
+//! joint kinds, so every node is itself a policy to continue with where the graph ends: that closes the graph upon
 //! itself, and few rounds suffice.
 //!
 //! Let S be the operator that values every node by its action and its successors: monotone, and
@@ -15,7 +15,7 @@ use super::alpha::{AlphaVectors, joint};
 use super::graph::{BeliefGraph, Followed, place};
 use super::neighbourhoods::{Candidates, good_policies};
 use super::reach::Reach;
-use crate::index::{Class, Viewpoint};
+use crate::index::{Bin, Viewpoint};
 use crate::model::{Action, SortingModel};
 
 /// Sweeps that change the root, and lower any value, by less than this part of `r_max` suffice.
@@ -40,7 +40,7 @@ pub(super) struct Controller<'a> {
     model: &'a SortingModel,
     graph: &'a BeliefGraph<'a>,
     reach: &'a Reach,
-    /// A row of joint classes for each node of the interior, in its order; then for each policy known before.
+    /// A row of joint kinds for each node of the interior, in its order; then for each policy known before.
     values: Vec<f64>,
     /// Row of each node of the graph that is reached; of a leaf, that of the policy it continues with.
     rows: Vec<u32>,
@@ -117,7 +117,7 @@ impl<'a> Controller<'a> {
 
     /// Sweep until the root's value has settled, or `stop` says so; then prove the values.
     pub(super) fn evaluate(&mut self, stop: impl Fn() -> bool) {
-        let most = TOLERANCE * self.model.spec().r_max;
+        let most = TOLERANCE * self.model.reward_scale();
         let mut before = f64::NEG_INFINITY;
         loop {
             let (least, mean) = self.changes();
@@ -193,7 +193,7 @@ impl<'a> Controller<'a> {
         let start = if row == 0 { 0 } else { self.steps[row - 1].end };
         let successors = &self.successors[start..end];
         match action {
-            Action::Decide(class) => self.back_up_decision(class, self.row(successors[0]), backed_up),
+            Action::Decide(bin) => self.back_up_decision(bin, self.row(successors[0]), backed_up),
             Action::Move(to) => {
                 backed_up.fill(reward);
                 for (next, likelihood) in successors.iter().zip(&self.likelihoods[to.0]) {
@@ -205,15 +205,14 @@ impl<'a> Controller<'a> {
         }
     }
 
-    fn back_up_decision(&self, decided: Class, next: &[f64], backed_up: &mut [f64]) {
-        let (l, arrival) = (self.model.class_count(), self.model.arrival());
-        // The class of the arriving object is the last digit of the next joint class.
-        let behind = self.states / l;
-        for (b, values) in backed_up.chunks_exact_mut(l).enumerate() {
+    fn back_up_decision(&self, decided: Bin, next: &[f64], backed_up: &mut [f64]) {
+        let (n, arrival) = (self.model.kind_count(), self.model.arrival());
+        // The kind of the arriving object is the last digit of the next joint kind.
+        let behind = self.states / n;
+        for (b, values) in backed_up.chunks_exact_mut(n).enumerate() {
             let expected: f64 = arrival.iter().enumerate().map(|(c, p)| p * next[b + c * behind]).sum();
-            for (class, value) in self.model.classes().zip(values) {
-                let reward = self.model.decision_reward(f64::from(u8::from(class == decided)));
-                *value = reward + self.model.discount() * expected;
+            for (kind, value) in self.model.kinds().zip(values) {
+                *value = self.model.reward(decided, kind) + self.model.discount() * expected;
             }
         }
     }
@@ -225,7 +224,7 @@ fn sample(rows: usize) -> impl Iterator<Item = usize> {
 }
 
 /// Discounted `P(z | s, v)`: per label vector z, the last position's label changing fastest, a row over the joint
-/// classes s.
+/// kinds s.
 fn discounted_likelihoods(model: &SortingModel, viewpoint: Viewpoint) -> Vec<Vec<f64>> {
     model.positions().fold(vec![vec![model.discount()]], |rows, j| {
         let labels = |row: &Vec<f64>| -> Vec<Vec<f64>> {

@@ -38,7 +38,7 @@ pub(super) fn policy_value(
             let value = followed.reward + model.discount() * worth.sum::<f64>();
             values[node as usize] = value.max(values[node as usize]);
         }
-        if stop() || values[0] - before < TOLERANCE * model.spec().r_max {
+        if stop() || values[0] - before < TOLERANCE * model.reward_scale() {
             return values[0];
         }
     }

@@ -11,12 +11,11 @@ use std::ops::Range;
 
 use super::LeafBounds;
 use super::objects::{ARRIVING, ObjectId, Objects};
-use crate::belief::most_likely;
 use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel, Step, shift};
 use crate::remaining::Remaining;
 
-/// Nodes of the graph up to 16 joint classes, fewer beyond; each takes about 300 bytes, its actions and its value as a
+/// Nodes of the graph up to 16 joint kinds, fewer beyond; each takes about 300 bytes, its actions and its value as a
 /// policy included.
 pub(super) const MOST_NODES: usize = 12_000_000;
 /// No actions yet.
@@ -94,7 +93,7 @@ impl<'a> BeliefGraph<'a> {
             known: HashMap::new(),
         };
         let mut places = vec![place(leaves.policy.group(viewpoint))];
-        places.extend(root.chunks_exact(model.class_count()).map(|belief| graph.objects.id(belief)));
+        places.extend(root.chunks_exact(model.kind_count()).map(|belief| graph.objects.id(belief)));
         graph.node(&places);
         graph
     }
@@ -198,7 +197,7 @@ impl<'a> BeliefGraph<'a> {
 
     fn action(&self, node: NodeId, arm: usize) -> Action {
         match arm {
-            0 => Action::Decide(most_likely(self.belief_at_end(node)).0),
+            0 => Action::Decide(self.model.best_decision(self.belief_at_end(node)).0),
             _ => Action::Move(self.model.legal_moves(self.viewpoint(node))[arm - 1]),
         }
     }

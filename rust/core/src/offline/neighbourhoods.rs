@@ -19,9 +19,9 @@ const NEARBY: usize = 64;
 /// Neighbourhoods whose centres are valued at once.
 const BATCH: usize = 32;
 
-/// Policies by number, each with its value by joint class.
+/// Policies by number, each with its value by joint kind.
 pub(super) struct Candidates<'a> {
-    /// A row of joint classes per policy.
+    /// A row of joint kinds per policy.
     pub values: &'a [f64],
     pub states: usize,
     /// Those to compare in every neighbourhood.

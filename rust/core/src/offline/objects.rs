@@ -24,13 +24,13 @@ pub(super) const ARRIVING: ObjectId = 0;
 pub(super) struct Objects<'a> {
     model: &'a SortingModel,
     grid: Option<&'a GridBound>,
-    /// L probabilities each.
+    /// N probabilities each.
     beliefs: Vec<f64>,
-    /// L grid points and weights each, if there is a grid.
+    /// N grid points and weights each, if there is a grid.
     located: Vec<(u32, f64)>,
     /// Where the outcomes of a look begin: per object, position and viewpoint.
     looks: Vec<u32>,
-    /// Next object and probability of each label: L per look.
+    /// Next object and probability of each label: Z per look.
     outcomes: Vec<(ObjectId, f64)>,
     known: HashMap<Box<[u64]>, ObjectId>,
 }
@@ -72,14 +72,14 @@ impl<'a> Objects<'a> {
     }
 
     pub(super) fn belief(&self, object: ObjectId) -> &[f64] {
-        let l = self.model.class_count();
-        &self.beliefs[object as usize * l..][..l]
+        let n = self.model.kind_count();
+        &self.beliefs[object as usize * n..][..n]
     }
 
     /// Its place on the grid.
     pub(super) fn located(&self, object: ObjectId) -> &[(u32, f64)] {
-        let l = self.model.class_count();
-        &self.located[object as usize * l..][..l]
+        let n = self.model.kind_count();
+        &self.located[object as usize * n..][..n]
     }
 
     /// Next object and probability of each label.
@@ -94,7 +94,6 @@ impl<'a> Objects<'a> {
         position: Position,
         viewpoint: Viewpoint,
     ) -> Range<usize> {
-        let l = self.model.class_count();
         let index = (object as usize * self.model.position_count() + position.0)
             * self.model.viewpoint_count()
             + viewpoint.0;
@@ -105,12 +104,12 @@ impl<'a> Objects<'a> {
                 .collect();
             let start = self.outcomes.len();
             self.outcomes.extend(seen);
-            // L times the number of looks, which is bounded like that of objects.
+            // Z times the number of looks, which is bounded like that of objects.
             #[allow(clippy::cast_possible_truncation)]
             let start = start as u32;
             self.looks[index] = start;
         }
         let start = self.looks[index] as usize;
-        start..start + l
+        start..start + self.model.label_count()
     }
 }

@@ -28,7 +28,7 @@ mod tests;
 mod usage;
 
 use super::watch::Watch;
-use crate::belief::{Belief, most_likely};
+use crate::belief::Belief;
 use crate::bounds;
 use crate::index::{Position, Viewpoint};
 use crate::model::{Action, SortingModel};
@@ -59,8 +59,7 @@ impl PricedBound {
 
     /// One distribution per position. The clock may read anything: the least bound counts.
     pub(super) fn value(&self, belief: &[f64], viewpoint: Viewpoint) -> f64 {
-        let rows: Vec<_> =
-            self.model.positions().zip(belief.chunks_exact(self.model.class_count())).collect();
+        let rows: Vec<_> = self.model.positions().zip(belief.chunks_exact(self.model.kind_count())).collect();
         let rows: Vec<_> = rows.iter().map(|(i, row)| (*i, self.points.locate(*i, row))).collect();
         let sum = |mode| rows.iter().map(|(i, row)| self.values.average(mode, *i, row)).sum();
         let known = bounds::upper(&self.model, (belief, Remaining::ENDLESS), viewpoint);
@@ -83,12 +82,11 @@ impl PricedBound {
     /// Since labels of one scan are independent given the belief, the expectation of the sum is the sum of each
     /// position's own: no label vectors are enumerated.
     pub(super) fn look_ahead(&self, belief: &[f64], viewpoint: Viewpoint) -> (Action, f64) {
-        let l = self.model.class_count();
-        let (class, p_right) = most_likely(&belief[..l]);
+        let l = self.model.kind_count();
+        let (bin, reward) = self.model.best_decision(&belief[..l]);
         let advanced = [&belief[l..], self.model.arrival().as_slice()].concat();
-        let decided =
-            self.model.decision_reward(p_right) + self.model.discount() * self.value(&advanced, viewpoint);
-        let mut best = (Action::Decide(class), decided);
+        let decided = reward + self.model.discount() * self.value(&advanced, viewpoint);
+        let mut best = (Action::Decide(bin), decided);
         for &to in self.model.legal_moves(viewpoint) {
             let value =
                 self.model.discount() * self.expected(belief, to) - self.model.motion_cost(viewpoint, to);
@@ -103,7 +101,7 @@ impl PricedBound {
     fn expected(&self, belief: &[f64], viewpoint: Viewpoint) -> f64 {
         let modes = self.shared.modes_at(viewpoint);
         let mut sums = vec![0.0; modes.len()];
-        for (position, row) in self.model.positions().zip(belief.chunks_exact(self.model.class_count())) {
+        for (position, row) in self.model.positions().zip(belief.chunks_exact(self.model.kind_count())) {
             for (p, posterior) in self.points.object.look(position, viewpoint, row) {
                 let located = self.points.locate(position, &posterior);
                 for (sum, mode) in sums.iter_mut().zip(modes.clone()) {

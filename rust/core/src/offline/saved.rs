@@ -12,7 +12,7 @@ use std::time::Duration;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::alpha::{AlphaVectors, joint_classes};
+use super::alpha::{AlphaVectors, joint_kinds};
 use super::prices::{PricedBound, SavedPrices};
 use super::upper::{GridBound, Resolution};
 use super::{LeafBounds, Solution};
@@ -102,7 +102,7 @@ impl Solution {
     fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let (header, payload) = opened(bytes)?;
         let model = SortingModel::new(header.model)?;
-        let states = joint_classes(&model);
+        let states = joint_kinds(&model);
         let (values, numbers) = payload
             .split_at_checked(header.grid.map_or(0, |resolution| 4 * resolution.values(&model)))
             .ok_or_else(contradicted)?;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::LeafBounds;
-use super::alpha::{AlphaVectors, joint_classes};
+use super::alpha::{AlphaVectors, joint_kinds};
 use super::controller::Controller;
 use super::evaluation::policy_value;
 use super::graph::{BeliefGraph, MOST_NODES, ROOT};
@@ -48,7 +48,7 @@ const GAP_TOLERANCE: f64 = 1e-6;
 /// The grid bound, refined from coarse to fine.
 pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBound {
     let arrival = Belief::new(model).as_slice().to_vec();
-    let tolerance = TOLERANCE * model.spec().r_max;
+    let tolerance = TOLERANCE * model.reward_scale();
     let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, Viewpoint(0)).1;
     let work = |n: f64| resolution(n, 0.0).values(model) as f64;
     let mut best = coarse_grid(model, MOST_COARSE_VALUES, TOLERANCE, || watch.over(GRID_UNTIL));
@@ -84,14 +84,14 @@ pub(super) fn coarse_grid(
 ) -> GridBound {
     let arrival = Belief::new(model).as_slice().to_vec();
     let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, Viewpoint(0)).1;
-    let values = |n: f64| resolution(n, 0.0).values(model) as f64 * model.class_count() as f64;
+    let values = |n: f64| resolution(n, 0.0).values(model) as f64 * model.kind_count() as f64;
     let small = |n: &f64| values(*n) < most_values;
     let intervals = (1..=COARSEST).rev().map(f64::from).find(small).unwrap_or(1.0);
     // Each starts from the best before it, which is a bound on any grid.
     let mut best = GridBound::new(model, resolution(intervals, GRADINGS[0]));
     for (number, grading) in GRADINGS.into_iter().enumerate() {
         let mut bound = best.refined(model, resolution(intervals, grading));
-        bound.improve(model, tolerance * model.spec().r_max, &stop);
+        bound.improve(model, tolerance * model.reward_scale(), &stop);
         if number == 0 || ahead(&bound) < ahead(&best) {
             best = bound;
         }
@@ -125,7 +125,7 @@ pub(super) fn searched(
     let mut graph = BeliefGraph::new(model, leaves, arrival, Viewpoint(0));
     let mut known =
         leaves.grid.is_some().then(|| AlphaVectors::chained(model, &leaves.policy, &[arrival.to_vec()]));
-    let most_nodes = MOST_NODES / joint_classes(model).div_ceil(16);
+    let most_nodes = MOST_NODES / joint_kinds(model).div_ceil(16);
     let (mut valued, mut spent) = (0, Duration::ZERO);
     loop {
         let reach = Reach::new(&graph, model.discount());
@@ -144,7 +144,7 @@ pub(super) fn searched(
             }
             spent = began.elapsed();
         }
-        if over || watch.gap() < GAP_TOLERANCE * model.spec().r_max {
+        if over || watch.gap() < GAP_TOLERANCE * model.reward_scale() {
             return known;
         }
         reach.grow(&mut graph, || watch.over(SEARCH_UNTIL));
@@ -169,7 +169,7 @@ fn controlled(
     loop {
         controller.evaluate(&stop);
         let improved = controller.value();
-        if improved < lower + TOLERANCE * model.spec().r_max {
+        if improved < lower + TOLERANCE * model.reward_scale() {
             return;
         }
         *known = controller.alphas();

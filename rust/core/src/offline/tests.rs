@@ -7,7 +7,7 @@ use super::evaluation::policy_value;
 use super::graph::{BeliefGraph, ROOT};
 use super::reach::Reach;
 use super::*;
-use crate::index::Class;
+use crate::index::Bin;
 use crate::model::ModelSpec;
 use crate::testing::{
     Exact, belief_of, enumerable_models, enumerated_value, from_weights, paper, seeded, tiny_beliefs,
@@ -114,7 +114,7 @@ fn the_policy_looks_at_the_unknown_and_decides_the_certain() {
     let solution = solved_until(|s| s.upper - s.lower < 10.0, &model, 500);
     assert!(matches!(solution.act(&Belief::new(&model), Viewpoint(0)).unwrap(), Action::Move(_)));
     let certain = Belief::from_rows(&model, &[vec![0.0, 1.0, 0.0, 0.0], vec![0.25; 4]]).unwrap();
-    assert_eq!(solution.act(&certain, Viewpoint(2)).unwrap(), Action::Decide(Class(1)));
+    assert_eq!(solution.act(&certain, Viewpoint(2)).unwrap(), Action::Decide(Bin(1)));
 }
 
 #[test]

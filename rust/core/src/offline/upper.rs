@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::simplex_grid::{Combination, SimplexGrid, merged};
-use crate::belief::{condition, most_likely};
+use crate::belief::condition;
 use crate::index::{Position, Viewpoint};
 use crate::model::{Action, Look, SortingModel, shift};
 use crate::remaining::Remaining;
@@ -86,7 +86,7 @@ pub(super) fn posteriors(model: &SortingModel, look: Look, belief: &[f64]) -> Ve
 impl GridBound {
     /// What being right in every step, everywhere, is worth: no more can be had.
     pub(super) fn new(model: &SortingModel, resolution: Resolution) -> Self {
-        let best = rounded_up(model.spec().r_max / (1.0 - model.discount()));
+        let best = rounded_up(model.most_reward() / (1.0 - model.discount()));
         Self::with_values(model, resolution, vec![best; resolution.values(model)])
     }
 
@@ -124,7 +124,7 @@ impl GridBound {
         belief: &[f64],
         viewpoint: Viewpoint,
     ) -> (Action, f64) {
-        let decide = Action::Decide(most_likely(&belief[..model.class_count()]).0);
+        let decide = Action::Decide(model.best_decision(&belief[..model.kind_count()]).0);
         let value = |action| (action, self.action_value(model, belief, viewpoint, action));
         let moves = model.legal_moves(viewpoint).iter().map(|to| value(Action::Move(*to)));
         moves.fold(value(decide), |best, next| if next.1 > best.1 { next } else { best })
@@ -139,7 +139,7 @@ impl GridBound {
         action: Action,
     ) -> f64 {
         let step = model.step(action, viewpoint, Remaining::ENDLESS);
-        let l = model.class_count();
+        let l = model.kind_count();
         let mut next = belief.to_vec();
         if step.advances() {
             shift(&mut next, model.arrival().as_slice().iter().copied());

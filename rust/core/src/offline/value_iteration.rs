@@ -10,7 +10,6 @@ use rayon::prelude::*;
 
 use super::sparse::{LANES, Real, Rows, gather, mix};
 use super::upper::{Axis, GridBound, rounded_up, sole};
-use crate::belief::most_likely;
 use crate::index::{Position, Viewpoint};
 use crate::model::{Look, SortingModel};
 
@@ -43,7 +42,7 @@ impl<'a, T: Real> Operator<'a, T> {
             first: Rows::new(&observed(0, to), model.discount()),
             second: Rows::new(&second(to), 1.0),
         };
-        let reward = |point: &Vec<f64>| T::of(model.decision_reward(most_likely(point).1));
+        let reward = |point: &Vec<f64>| T::of(model.best_decision(point).1);
         Self {
             discount: T::of(model.discount()),
             rewards: axis.points.iter().map(reward).collect(),

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::{OneObjectPolicy, dot};
-use crate::belief::{condition, evidence, joint, most_likely};
-use crate::index::{Class, Label, Position, Viewpoint};
+use crate::belief::{condition, evidence, joint};
+use crate::index::{Bin, Kind, Label, Position, Viewpoint};
 use crate::model::{Action, Look, SortingModel};
 use crate::sampling::{Purpose, invert, stream};
 
@@ -50,7 +50,7 @@ impl OneObjectPolicy {
                 (0..policy.group_count()).map(|group| policy.backed_up(model, group, &points)).collect();
             policy.evaluate_arrival(model);
             let before = std::mem::replace(&mut values, policy.values_at(&points));
-            let change = before.iter().zip(&values).map(|(a, b)| (a - b).abs() / model.spec().r_max);
+            let change = before.iter().zip(&values).map(|(a, b)| (a - b).abs() / model.reward_scale());
             if change.fold(0.0, f64::max) < SWEEP_TOLERANCE {
                 break;
             }
@@ -75,7 +75,7 @@ impl OneObjectPolicy {
             for belief in points {
                 let value = |plan: &ConditionalPlan| plan.value(belief, &self.arrival_values);
                 let (best, worth) = self.best(group, belief, &self.arrival_values);
-                if kept.iter().all(|plan| value(plan) < worth - PRUNING_TOLERANCE * model.spec().r_max) {
+                if kept.iter().all(|plan| value(plan) < worth - PRUNING_TOLERANCE * model.reward_scale()) {
                     kept.push(best.clone());
                 }
             }
@@ -134,7 +134,7 @@ impl OneObjectPolicy {
         let from = self.representative(group);
         let (at_hand, _) = self.best(group, belief, &self.arrival_values);
         let mut best = (at_hand.clone(), worth(at_hand));
-        let now = decide(model, self.group_count(), group, most_likely(belief).0);
+        let now = decide(model, self.group_count(), group, model.best_decision(belief).0);
         let moves =
             model.legal_moves(from).iter().map(|&to| self.move_plan(model, from, to, belief, following));
         for plan in std::iter::once(now).chain(moves) {
@@ -155,7 +155,7 @@ impl OneObjectPolicy {
         belief: &[f64],
         following: &[PlanSet],
     ) -> ConditionalPlan {
-        let (l, target) = (model.class_count(), self.group(to));
+        let (l, target) = (model.kind_count(), self.group(to));
         let look = Look::first(Position(0), to);
         let mut gain = DVector::from_element(l, -model.motion_cost(from, to));
         let mut discount_to = DVector::zeros(self.group_count() * l);
@@ -191,7 +191,7 @@ impl OneObjectPolicy {
             }
             // Row sums of D are at most the discount, so the system is diagonally dominant and solvable.
             let Some(solved) = system.lu().solve(&gains) else { return };
-            let risen = |(new, old): (&f64, &f64)| *new > old + ROUND_TOLERANCE * model.spec().r_max;
+            let risen = |(new, old): (&f64, &f64)| *new > old + ROUND_TOLERANCE * model.reward_scale();
             let rise = solved.iter().zip(&self.arrival_values).any(risen);
             self.arrival_values = solved.iter().copied().collect();
             // Round 0 replaces values that may not be those of any policy.
@@ -209,7 +209,7 @@ impl OneObjectPolicy {
             let next: Vec<f64> = (0..last.len()).map(|s| self.best(s, arrival, last).1).collect();
             let change = next.iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             values.push(next);
-            if change < UNSEEN_TOLERANCE * model.spec().r_max {
+            if change < UNSEEN_TOLERANCE * model.reward_scale() {
                 break;
             }
         }
@@ -217,17 +217,17 @@ impl OneObjectPolicy {
     }
 }
 
-/// The plans that decide at once, one per class.
+/// The plans that decide at once, one per bin.
 fn deciding(model: &SortingModel, groups: usize, group: usize) -> Vec<ConditionalPlan> {
-    model.classes().map(|class| decide(model, groups, group, class)).collect()
+    model.bins().map(|bin| decide(model, groups, group, bin)).collect()
 }
 
-fn decide(model: &SortingModel, groups: usize, group: usize, class: Class) -> ConditionalPlan {
-    let l = model.class_count();
+fn decide(model: &SortingModel, groups: usize, group: usize, bin: Bin) -> ConditionalPlan {
+    let l = model.kind_count();
     let mut discount_to = DVector::zeros(groups * l);
     discount_to.rows_mut(group * l, l).fill(model.discount());
-    let gain = DVector::from_fn(l, |c, _| model.decision_reward(if Class(c) == class { 1.0 } else { 0.0 }));
-    ConditionalPlan { action: Action::Decide(class), gain, discount_to }
+    let gain = DVector::from_fn(l, |n, _| model.reward(bin, Kind(n)));
+    ConditionalPlan { action: Action::Decide(bin), gain, discount_to }
 }
 
 /// The group of each viewpoint, and the number of groups.

@@ -1,14 +1,14 @@
 //! The one-object policy as a row of numbers: to store it, and to have it back without solving anew.
 //!
 //! The value of an unseen object per viewpoint group; then for each group the number of its plans, and per plan its
-//! action (a class, or the number of classes and a viewpoint), `G(c)` and `D_s(c)`.
+//! action (a bin, or the number of bins and a viewpoint), `G(c)` and `D_s(c)`.
 
 use nalgebra::DVector;
 
 use super::OneObjectPolicy;
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::solve::viewpoint_groups;
-use crate::index::{Class, Viewpoint};
+use crate::index::{Bin, Viewpoint};
 use crate::model::{Action, SortingModel};
 
 impl OneObjectPolicy {
@@ -19,8 +19,8 @@ impl OneObjectPolicy {
             numbers.push(set.plans().len() as f64);
             for plan in set.plans() {
                 let action = match plan.action {
-                    Action::Decide(class) => class.0,
-                    Action::Move(viewpoint) => model.class_count() + viewpoint.0,
+                    Action::Decide(bin) => bin.0,
+                    Action::Move(viewpoint) => model.bin_count() + viewpoint.0,
                 };
                 numbers.push(action as f64);
                 numbers.extend(plan.gain.iter().chain(plan.discount_to.iter()));
@@ -52,17 +52,17 @@ impl OneObjectPolicy {
 
 /// Numbers per plan.
 fn length(model: &SortingModel, groups: usize) -> usize {
-    1 + model.class_count() * (1 + groups)
+    1 + model.kind_count() * (1 + groups)
 }
 
 fn plan(model: &SortingModel, row: &[f64]) -> Option<ConditionalPlan> {
-    let l = model.class_count();
+    let bins = model.bin_count();
     let action = match index(row[0])? {
-        class if class < l => Action::Decide(Class(class)),
-        viewpoint if viewpoint < l + model.viewpoint_count() => Action::Move(Viewpoint(viewpoint - l)),
+        bin if bin < bins => Action::Decide(Bin(bin)),
+        viewpoint if viewpoint < bins + model.viewpoint_count() => Action::Move(Viewpoint(viewpoint - bins)),
         _ => return None,
     };
-    let (gain, discount_to) = row[1..].split_at(l);
+    let (gain, discount_to) = row[1..].split_at(model.kind_count());
     let vector = DVector::from_column_slice;
     Some(ConditionalPlan { action, gain: vector(gain), discount_to: vector(discount_to) })
 }

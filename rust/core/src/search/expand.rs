@@ -25,7 +25,7 @@ impl Search<'_> {
     /// Expand the leaf at a place.
     pub(super) fn expand(&mut self, place: Option<Place>) {
         let mut node = self.node_at(place);
-        let decide = Action::Decide(node.belief.most_likely(Position(0)).0);
+        let decide = Action::Decide(node.belief.best_decision(&self.planner.model).0);
         let moves = self.planner.model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
         node.edges = std::iter::once(decide).chain(moves).map(|action| self.edge(&node, action)).collect();
         self.nodes_created += node.edges.iter().map(|edge| edge.children.len() as u64).sum::<u64>();

@@ -82,7 +82,11 @@ impl Searched {
             actions: shown.map_or_else(Vec::new, |node| {
                 node.edges.iter().map(|edge| self.action(node, edge, depth)).collect()
             }),
-            belief: belief.visible().chunks_exact(self.model.class_count()).map(<[f64]>::to_vec).collect(),
+            belief: belief
+                .visible()
+                .chunks_exact(self.model.kind_count())
+                .map(|kinds| self.model.class_probabilities(kinds).collect())
+                .collect(),
         }
     }
 

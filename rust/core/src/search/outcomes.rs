@@ -2,7 +2,7 @@
 //!
 //! Given the belief, the labels of different objects are independent: `H * L` entries describe all `L^H` label vectors.
 
-use crate::belief::{Belief, condition, entropy, information, most_likely};
+use crate::belief::{Belief, class_entropy, condition, information};
 use crate::bounds;
 use crate::index::{Label, Position, Viewpoint};
 use crate::model::SortingModel;
@@ -57,7 +57,7 @@ impl ScanOutcomes {
         };
         outcomes.expected.extend(policy.values_of_unseen(unseen));
         let upper = bounds::upper_knowing(model, viewpoint, belief.objects_left());
-        let mut posterior = vec![0.0; model.class_count()];
+        let mut posterior = vec![0.0; model.kind_count()];
         for position in (0..positions).rev().map(Position) {
             let prior = belief.position(position);
             let look = belief.look(model, position, viewpoint);
@@ -74,10 +74,10 @@ impl ScanOutcomes {
                     continue;
                 }
                 if model.spec().information_gain > 0.0 {
-                    outcomes.entropies[at] = entropy(&posterior);
+                    outcomes.entropies[at] = class_entropy(model, &posterior);
                 }
                 if position == Position(0) {
-                    outcomes.uppers[label.0] = upper(most_likely(&posterior).1);
+                    outcomes.uppers[label.0] = upper(model.best_decision(&posterior).1);
                 }
                 outcomes.choose_plans(policy, &posterior, position, label);
             }

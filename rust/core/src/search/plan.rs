@@ -7,7 +7,7 @@ use super::explain::Searched;
 use super::tree::first_best;
 use crate::bounds;
 use crate::config::Clock;
-use crate::index::{Class, Position};
+use crate::index::{Bin, Position};
 use crate::model::Action;
 use crate::offline::Certificate;
 use crate::plan::Plan;
@@ -54,9 +54,9 @@ impl Search<'_> {
     }
 
     /// Value of each decision: they differ from the best one in their immediate reward only.
-    fn decisions(&self, best: Class, value: f64) -> impl Iterator<Item = (Action, f64)> + '_ {
+    fn decisions(&self, best: Bin, value: f64) -> impl Iterator<Item = (Action, f64)> + '_ {
         let (model, belief) = (&self.planner.model, self.belief.position(Position(0)));
-        let reward = move |class: Class| model.decision_reward(belief[class.0]);
-        model.classes().map(move |class| (Action::Decide(class), value + reward(class) - reward(best)))
+        let reward = move |bin: Bin| model.expected_decision_reward(bin, belief.as_slice());
+        model.bins().map(move |bin| (Action::Decide(bin), value + reward(bin) - reward(best)))
     }
 }

@@ -15,7 +15,7 @@ use rand::RngExt;
 
 use super::outcomes::ScanOutcomes;
 use super::tree::first_best;
-use crate::belief::{Belief, entropy};
+use crate::belief::{Belief, class_entropy};
 use crate::bounds;
 use crate::index::{Label, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
@@ -58,7 +58,8 @@ impl Features {
 /// Entropy of all positions where learning is rewarded; 0 elsewhere.
 pub(super) fn left_to_learn(model: &SortingModel, belief: &Belief) -> f64 {
     if model.spec().information_gain > 0.0 {
-        return belief.as_slice().chunks_exact(model.class_count()).map(entropy).sum();
+        let kinds = belief.as_slice().chunks_exact(model.kind_count());
+        return kinds.map(|kinds| class_entropy(model, kinds)).sum();
     }
     0.0
 }
@@ -118,7 +119,7 @@ struct Visit {
 
 /// Beliefs along a walk that takes the action with the highest value, or now and then a random one, as searches do.
 fn walk((model, certificate): Bounded<'_>, policy: &OneObjectPolicy) -> Vec<Visit> {
-    let entries = model.viewpoint_count() * model.position_count() * model.class_count();
+    let entries = model.viewpoint_count() * model.position_count() * model.label_count();
     let length = (WORK / entries).clamp(BELIEFS.start, BELIEFS.end);
     let mut rng = stream(0, Purpose::Walk, u64::from(u32::MAX));
     let (mut belief, mut viewpoint) = (Belief::new(model), Viewpoint(0));
@@ -183,7 +184,7 @@ fn steps(
         let next = Features { mass: 1.0, value, entropy: scan.expected_entropy(), bound: upper - value };
         Step { reward: reward + scan.bonus, next, belief, viewpoint, scan: Some(scan) }
     };
-    let decide = Action::Decide(from.most_likely(Position(0)).0);
+    let decide = Action::Decide(from.best_decision(model).0);
     let moves = model.legal_moves(viewpoint).iter().map(|to| Action::Move(*to));
     std::iter::once(decide).chain(moves).map(step).collect()
 }

@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::outcomes::ScanOutcomes;
 use super::*;
-use crate::index::{Class, Label, Position};
+use crate::index::{Bin, Label, Position};
 use crate::scenario::LookPoint;
 use crate::testing::{
     Exact, all_labels, belief_of, belts, enumerable_models, enumerated_value, models_in_full, paper, seeded,
@@ -54,7 +54,7 @@ impl BruteForce<'_> {
         } else {
             (0.0, self.value(&next, BruteForce::default_value(self.search, &next)))
         };
-        let decided = model.decision_reward(at.belief.most_likely(Position(0)).1) + bonus;
+        let decided = at.belief.best_decision(model).1 + bonus;
         let mut best = default.max(decided + model.discount() * after);
         for &to in model.legal_moves(at.viewpoint) {
             let step = at.belief.bonus(model, to) - model.motion_cost(at.viewpoint, to);
@@ -257,7 +257,7 @@ fn a_certain_object_is_decided_and_an_unknown_one_looked_at() {
     let search = BeliefSearch::new(&paper(50.0), DespotConfig::default()).unwrap();
     let certain = vec![vec![0.0, 0.0, 1.0, 0.0], vec![0.25; 4]];
     let belief = Belief::from_rows(search.model(), &certain).unwrap();
-    assert_eq!(search.plan(&belief, START, Budget::Trials(10)).unwrap().action, Action::Decide(Class(2)));
+    assert_eq!(search.plan(&belief, START, Budget::Trials(10)).unwrap().action, Action::Decide(Bin(2)));
     let unknown = search.plan(&Belief::new(search.model()), START, Budget::Trials(10)).unwrap().action;
     assert!(matches!(unknown, Action::Move(_)));
 }

@@ -7,14 +7,14 @@ use super::evaluation::Outcome;
 use super::{EvaluationConfig, MAX_IMPOSSIBLE_LABELS, TrueClasses};
 use crate::belief::{Belief, Memory};
 use crate::error::{Error, Result};
-use crate::index::{Class, Position, Viewpoint};
+use crate::index::{Class, Kind, Position, Viewpoint};
 use crate::model::{Action, SortingModel, Step, shift};
 use crate::policy::Policy;
 use crate::sampling::{Purpose, invert, label, stream};
 
 /// An object on the belt.
 struct Object {
-    class: Class,
+    kind: Kind,
     rng: ChaCha8Rng,
     looks: usize,
     impossible: usize,
@@ -55,7 +55,7 @@ impl<'a> Batch<'a> {
             given: Memory::new(truth),
             viewpoint: config.viewpoint,
             discount: 1.0,
-            outcome: Outcome::default(),
+            outcome: Outcome::new(model),
         };
         for _ in 0..model.position_count() {
             let object = this.arriving();
@@ -82,12 +82,12 @@ impl<'a> Batch<'a> {
         let object = &self.objects[0];
         if object.looks >= self.config.max_looks || object.impossible >= MAX_IMPOSSIBLE_LABELS {
             self.outcome.forced += 1;
-            return Ok(Action::Decide(self.belief.most_likely(Position(0)).0));
+            return Ok(Action::Decide(self.belief.best_decision(self.model).0));
         }
         let action = policy.act(&self.belief, self.viewpoint)?;
         let legal = match action {
             Action::Move(to) => self.model.legal_moves(self.viewpoint).contains(&to),
-            Action::Decide(class) => self.model.check_class(class).is_ok(),
+            Action::Decide(bin) => self.model.check_bin(bin).is_ok(),
         };
         if legal {
             return Ok(action);
@@ -96,7 +96,7 @@ impl<'a> Batch<'a> {
             "the policy chose {action} at viewpoint {}; legal are moves to {:?} and decisions below {}",
             self.viewpoint,
             self.model.legal_moves(self.viewpoint).iter().map(|to| to.0).collect::<Vec<_>>(),
-            self.model.class_count()
+            self.model.bin_count()
         )))
     }
 
@@ -104,10 +104,13 @@ impl<'a> Batch<'a> {
     fn take(&mut self, step: Step) -> Result<()> {
         let expected = self.model.expected_reward(&step, self.belief.position(Position(0)).as_slice());
         let mut reward = expected;
-        if let Some(class) = step.decided {
-            let right = self.objects[0].class == class;
-            self.outcome.correct += u64::from(right);
-            reward = self.model.decision_reward(f64::from(u8::from(right)));
+        if let Some(bin) = step.decided {
+            // Kinds of the truth need not be those of the model; classes are.
+            let class = self.truth.class_of(self.objects[0].kind);
+            let kind = Kind(self.model.kinds_of(class).start);
+            self.outcome.correct += u64::from(self.model.is_right(bin, kind));
+            self.outcome.confusion[bin.0 * self.model.class_count() + class.0] += 1;
+            reward = self.model.reward(bin, kind);
         }
         self.viewpoint = step.viewpoint;
         if step.advances() {
@@ -124,7 +127,7 @@ impl<'a> Batch<'a> {
             object.looks += 1;
             let look = self.given.look(self.truth, position, self.viewpoint);
             let u = object.rng.random::<f64>();
-            let seen = label(self.truth, look, object.class, u);
+            let seen = label(self.truth, look, object.kind, u);
             self.given.remember(self.truth, position, self.viewpoint, seen);
             match self.belief.observe_one(self.model, position, self.viewpoint, seen) {
                 Ok(()) => object.impossible = 0,
@@ -163,21 +166,35 @@ impl<'a> Batch<'a> {
         self.discount *= self.model.discount();
     }
 
+    /// A kind of a class, by the weights of its modes. Its random belongs to the object, apart from those of its looks.
+    fn drawn_mode(&self, class: Class) -> Kind {
+        let kinds = self.truth.kinds_of(class);
+        if kinds.len() == 1 {
+            return Kind(kinds.start);
+        }
+        let index = (self.index as u64) << 31 | self.arrived as u64;
+        let u = stream(self.config.seed, Purpose::Mode, index).random::<f64>();
+        let weights = kinds.clone().map(|kind| self.truth.mode_weight(Kind(kind)));
+        Kind(kinds.start + invert(weights, u))
+    }
+
     /// The next object on the belt.
     fn arriving(&mut self) -> Object {
         let mut rng =
             stream(self.config.seed, Purpose::Object, (self.index as u64) << 31 | self.arrived as u64);
         let u = rng.random::<f64>();
-        let class = match &self.config.true_classes {
-            TrueClasses::Arrival => Class(invert(self.truth.arrival().iter(), u)),
+        let kind = match &self.config.true_classes {
+            TrueClasses::Arrival => Kind(invert(self.truth.arrival().iter(), u)),
             TrueClasses::UniformlyFrom(classes) => {
                 let even = 1.0 / classes.len() as f64;
-                classes[invert(classes.iter().map(|_| even), u)]
+                self.drawn_mode(classes[invert(classes.iter().map(|_| even), u)])
             }
             // Behind the last given object nothing is ever decided; any class will do.
-            TrueClasses::Given(rows) => rows[self.index].get(self.arrived).copied().unwrap_or_default(),
+            TrueClasses::Given(rows) => {
+                self.drawn_mode(rows[self.index].get(self.arrived).copied().unwrap_or_default())
+            }
         };
         self.arrived += 1;
-        Object { class, rng, looks: 0, impossible: 0 }
+        Object { kind, rng, looks: 0, impossible: 0 }
     }
 }

@@ -1,12 +1,16 @@
 //! What a simulation brought, and its statistics.
 
+use crate::model::SortingModel;
+
 /// Outcomes, one entry per batch.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Evaluation {
     /// Moves and decisions.
     pub steps: Vec<u64>,
-    /// Right decisions.
+    /// Right decisions: into a bin than which none is worth more for the object's class.
     pub correct: Vec<u64>,
+    /// Objects by bin and true class, shape (B, L) in each batch: entry `bin * L + class`.
+    pub confusion: Vec<Vec<u64>>,
     /// Decisions forced by `max_looks` or by impossible labels.
     pub forced: Vec<u64>,
     /// Sum of rewards, without bonuses.
@@ -28,6 +32,7 @@ pub struct Evaluation {
 /// What one batch brought; see [`Evaluation`].
 #[derive(Default)]
 pub(super) struct Outcome {
+    pub(super) confusion: Vec<u64>,
     pub(super) steps: u64,
     pub(super) correct: u64,
     pub(super) forced: u64,
@@ -58,6 +63,12 @@ impl Statistics {
     }
 }
 
+impl Outcome {
+    pub(super) fn new(model: &SortingModel) -> Self {
+        Self { confusion: vec![0; model.bin_count() * model.class_count()], ..Self::default() }
+    }
+}
+
 impl Evaluation {
     pub(super) fn of(outcomes: Vec<Outcome>) -> Self {
         let mut evaluation = Self::default();
@@ -65,6 +76,7 @@ impl Evaluation {
             evaluation.steps.push(outcome.steps);
             evaluation.correct.push(outcome.correct);
             evaluation.forced.push(outcome.forced);
+            evaluation.confusion.push(outcome.confusion);
             evaluation.returns.push(outcome.total);
             evaluation.discounted_returns.push(outcome.discounted);
             evaluation.expected_discounted_returns.push(outcome.expected_discounted);

@@ -34,7 +34,7 @@ const FEWEST_NODES: usize = 100;
 /// Points of a grid; weights of the rows of all nodes.
 const MOST_POINTS: usize = 400_000;
 const MOST_WEIGHTS: usize = 30_000_000;
-/// Convergence tolerances as parts of `r_max`: of values, while prices are optimised and when they are proved.
+/// Convergence tolerances as parts of the largest reward: of values, while prices are optimised and when they are proved.
 const TOLERANCE: f64 = 1e-3;
 const PROOF_TOLERANCE: f64 = 1e-4;
 /// Squared differences of visits that are none but for rounding.
@@ -67,7 +67,7 @@ pub(super) struct Improvement<'a, 'w> {
     /// Of the last bundle.
     step: Option<f64>,
     intervals: usize,
-    r_max: f64,
+    scale: f64,
     start: Mode,
 }
 
@@ -88,7 +88,7 @@ impl<'a, 'w> Improvement<'a, 'w> {
         let problem = Problem { points: &points, shared: &shared, prices: &prices };
         let (values, occupancy) = (problem.constant(0.0), Occupancy::none(&problem));
         let start = shared.start(Viewpoint(0));
-        let r_max = model.spec().r_max;
+        let scale = model.reward_scale();
         let policy = Policy::new();
         Self {
             watch,
@@ -101,7 +101,7 @@ impl<'a, 'w> Improvement<'a, 'w> {
             occupancy,
             step: None,
             intervals,
-            r_max,
+            scale,
             start,
         }
     }
@@ -155,7 +155,7 @@ impl<'a, 'w> Improvement<'a, 'w> {
     fn evaluate(&mut self, prices: Prices) -> (f64, Vec<f64>) {
         let problem = Problem { points: &self.points, shared: &self.shared, prices: &prices };
         let stop = || self.watch.over(self.until);
-        self.policy = problem.iterate(&mut self.values, TOLERANCE * self.r_max, stop);
+        self.policy = problem.iterate(&mut self.values, TOLERANCE * self.scale, stop);
         self.occupancy.renew(&problem, &self.policy, self.start);
         let usage = self.occupancy.usage(&problem, &self.policy);
         (problem.objective(&self.values, self.start), consensus(&usage))
@@ -189,7 +189,7 @@ impl<'a, 'w> Improvement<'a, 'w> {
         let prices = self.prices.clone();
         let problem = Problem { points: &self.points, shared: &self.shared, prices: &prices };
         let stop = || self.watch.over(self.until);
-        self.policy = problem.iterate(&mut self.values, PROOF_TOLERANCE * self.r_max, stop);
+        self.policy = problem.iterate(&mut self.values, PROOF_TOLERANCE * self.scale, stop);
         self.occupancy.renew(&problem, &self.policy, self.start);
         let mut values = self.values.clone();
         problem.certify(&mut values);

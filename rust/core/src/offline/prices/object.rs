@@ -19,20 +19,19 @@ pub(super) struct ObjectModel {
 }
 
 impl ObjectModel {
-    /// States and labels are the classes; a decision is right for its own class.
+    /// The states are the kinds.
     pub(super) fn new(model: &SortingModel) -> Self {
-        let (h, k, l) = (model.position_count(), model.viewpoint_count(), model.class_count());
+        let (h, k) = (model.position_count(), model.viewpoint_count());
         // Tables lie column by column.
         let table = |index: usize| model.table(Position(index / k), Viewpoint(index % k)).as_slice().to_vec();
-        let right = |decided: usize, class: usize| if decided == class { 1.0 } else { 0.0 };
-        let reward = |decided| (0..l).map(|c| model.decision_reward(right(decided, c))).collect();
+        let reward = |bin| model.kinds().map(|kind| model.reward(bin, kind)).collect();
         Self {
             discount: model.discount(),
             arrival: model.arrival().as_slice().to_vec(),
             viewpoints: k,
             positions: h,
             likelihoods: (0..h * k).map(table).collect(),
-            rewards: (0..l).map(reward).collect(),
+            rewards: model.bins().map(reward).collect(),
         }
     }
 
