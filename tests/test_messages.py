@@ -128,8 +128,8 @@ MESSAGES: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
         model_file,
         beltsort.ModelError,
         'unknown key "discont" in the model file; did you mean "discount"? Known keys: classes, '
-        "viewpoints, p_obs, labels, bins, reward, modes, r_max, r_min, motion_cost, discount, arrival, travel, "
-        "observe_after_decision, repeat, information_gain, empty, counts, smoothing, note",
+        "viewpoints, p_obs, labels, bins, reward, modes, r_max, r_min, motion_cost, discount, arrival, "
+        "travel, observe_after_decision, repeat, information_gain, empty, counts, smoothing, note",
     ),
     "impossible label": (
         impossible_label,

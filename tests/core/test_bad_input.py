@@ -143,7 +143,7 @@ CASES: dict[str, tuple[Callable[[], object], type[BeltsortError], list[str]]] = 
     "last label": (
         lambda: Belief(REPEATING, last_labels=[[0, 3], [0, 0]]),
         ArgumentError,
-        ["class", "3", "c0, c1, c2"],
+        ["label", "3", "c0, c1, c2"],
     ),
     "negative last label": (
         lambda: Belief(REPEATING, last_labels=[[0, -2], [0, 0]]),

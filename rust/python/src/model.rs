@@ -159,9 +159,9 @@ impl PySortingModel {
     ///
     /// A state is the class (with its mode) at every position, with the viewpoint in front unless all
     /// viewpoints are alike in legal moves and their costs and no scan follows a decision: N^H or K N^H states.
-    /// The actions are the K moves and B decisions; the observations are the Z^H label vectors, and ``nothing`` after a decision
-    /// that no scan follows. Such a file has no forbidden actions: a move that `travel` forbids costs
-    /// (r_max + r_min) / (1 - discount), so that it never pays. The
+    /// The actions are the K moves and B decisions; the observations are the Z^H label vectors, and
+    /// ``nothing`` after a decision that no scan follows. Such a file has no forbidden actions: a move that
+    /// `travel` forbids costs (r_max + r_min) / (1 - discount), so that it never pays. The
     /// camera starts at viewpoint 0.
     ///
     /// Parameters
