@@ -110,6 +110,7 @@ class SortingModel:
         repeat: ArrayLike | None = None,
         information_gain: float = 0.0,
         empty: str | None = None,
+        label_rule: dict[str, Any] | None = None,
         counts: ArrayLike | None = None,
         smoothing: float | None = None,
         note: str = "",
@@ -165,6 +166,8 @@ class SortingModel:
     def information_gain(self) -> float: ...
     @property
     def empty(self) -> str | None: ...
+    @property
+    def label_rule(self) -> dict[str, Any] | None: ...
     def __eq__(self, value: object, /) -> bool: ...
 
 @final

@@ -4,7 +4,7 @@ use beltsort_core::{Class, Label, ScalarOrMatrix, Tables, Viewpoint};
 use numpy::ndarray::Array4;
 use numpy::{AllowTypeChange, Element, IntoPyArray, PyArray4, PyArrayLikeDyn};
 use pyo3::prelude::*;
-use pyo3::types::PyAny;
+use pyo3::types::{PyAny, PyDict};
 
 use crate::errors::{ArgumentError, ModelError};
 
@@ -115,6 +115,13 @@ pub fn whole(name: &str, value: f64) -> Result<u64, String> {
         return Ok(value as u64);
     }
     Err(format!("{name} holds {value}; expected whole numbers, not negative"))
+}
+
+/// A dict as a JSON object.
+pub fn json(value: &Bound<'_, PyDict>) -> PyResult<serde_json::Value> {
+    let text: String = value.py().import("json")?.call_method1("dumps", (value,))?.extract()?;
+    serde_json::from_str(&text)
+        .map_err(|e| ModelError::new_err(format!("label_rule holds what JSON cannot hold: {e}")))
 }
 
 /// Lists of viewpoints.

@@ -39,7 +39,7 @@ impl PySortingModel {
     #[new]
     #[pyo3(signature = (classes, viewpoints, p_obs, *, labels=None, bins=None, reward=None, modes=None,
                         r_max=None, r_min=None, motion_cost=None, discount=DEFAULT_DISCOUNT, arrival=None, travel=None, observe_after_decision=false, repeat=None,
-                        information_gain=0.0, empty=None, counts=None, smoothing=None, note=""))]
+                        information_gain=0.0, empty=None, label_rule=None, counts=None, smoothing=None, note=""))]
     #[allow(clippy::too_many_arguments)] // the keys of a model file
     fn new(
         classes: Vec<String>,
@@ -59,6 +59,7 @@ impl PySortingModel {
         repeat: Option<&Bound<'_, PyAny>>,
         information_gain: f64,
         empty: Option<String>,
+        label_rule: Option<&Bound<'_, PyDict>>,
         counts: Option<&Bound<'_, PyAny>>,
         smoothing: Option<f64>,
         note: &str,
@@ -87,6 +88,7 @@ impl PySortingModel {
         spec.repeat = repeat.map(|value| scalar_or_matrix("repeat", value)).transpose()?;
         spec.information_gain = information_gain;
         spec.empty = empty;
+        spec.label_rule = label_rule.map(convert::json).transpose()?;
         spec.counts = counts.map(convert::counts).transpose()?;
         spec.smoothing = smoothing;
         spec.note = note.into();
@@ -315,6 +317,14 @@ impl PySortingModel {
     #[getter]
     fn empty(&self) -> Option<&str> {
         self.0.spec().empty.as_deref()
+    }
+
+    /// How perception makes a label of what a classifier returns, a new dict, or None. Kept beside the tables that
+    /// were counted with it; planning does not use it.
+    #[getter]
+    fn label_rule<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let read = |rule: &serde_json::Value| py.import("json")?.call_method1("loads", (rule.to_string(),));
+        self.0.spec().label_rule.as_ref().map(read).transpose()
     }
 
     /// The same model with the first belt positions only.

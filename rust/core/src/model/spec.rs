@@ -84,6 +84,10 @@ pub struct ModelSpec {
     /// The class that stands for an empty cup.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub empty: Option<String>,
+    /// How perception makes a label of what a classifier returns; kept here beside the tables that were counted with it,
+    /// and not used by the planner.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub label_rule: Option<serde_json::Value>,
     /// Label counts behind `p_obs`, same shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts: Option<Tables<u64>>,
@@ -102,7 +106,7 @@ pub const DEFAULT_R_MIN: f64 = 50.0;
 /// Discount per planner step, likewise; usual for DESPOT, the paper prints none.
 pub const DEFAULT_DISCOUNT: f64 = 0.95;
 
-const KEYS: [&str; 20] = [
+const KEYS: [&str; 21] = [
     "classes",
     "viewpoints",
     "p_obs",
@@ -120,6 +124,7 @@ const KEYS: [&str; 20] = [
     "repeat",
     "information_gain",
     "empty",
+    "label_rule",
     "counts",
     "smoothing",
     "note",
@@ -166,6 +171,7 @@ impl ModelSpec {
             repeat: None,
             information_gain: 0.0,
             empty: None,
+            label_rule: None,
             counts: None,
             smoothing: None,
             note: String::new(),

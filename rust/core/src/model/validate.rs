@@ -32,6 +32,11 @@ pub(super) fn validate(spec: &ModelSpec) -> Result<()> {
     counts(spec)?;
     repeat(spec)?;
     information_gain(spec)?;
+    if let Some(rule) = spec.label_rule.as_ref().filter(|rule| !rule.is_object()) {
+        return model_error(format!(
+            "label_rule = {rule} is no JSON object; give the rule's settings by name"
+        ));
+    }
     empty(spec)
 }
 
