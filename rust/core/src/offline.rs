@@ -114,7 +114,7 @@ impl Solution {
         let policy = OneObjectPolicy::solve(model);
         let mut leaves = LeafBounds { policy, grid: None, prices: None, alphas: None };
         let watch = Watch::new(time, stop, progress, leaves.bounds(model, &arrival, Viewpoint(0)));
-        if all_alike(model) {
+        if all_alike(model) && stages::grid_fits(model) {
             leaves.grid = Some(Arc::new(stages::tightened_grid(model, &watch)));
         } else {
             leaves.prices = Some(Arc::new(PricedBound::improved(model, &watch, stages::GRID_UNTIL)));

@@ -45,6 +45,11 @@ const MARGIN: f64 = 1.3;
 /// A gap, as a part of `r_max`, at which there is nothing left to do.
 const GAP_TOLERANCE: f64 = 1e-6;
 
+/// Whether a grid that is worth its name is small enough.
+pub(super) fn grid_fits(model: &SortingModel) -> bool {
+    (resolution(f64::from(COARSEST), 0.0).values(model) as f64) < MOST_VALUES
+}
+
 /// The grid bound, refined from coarse to fine.
 pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBound {
     let arrival = Belief::new(model).as_slice().to_vec();
@@ -84,7 +89,9 @@ pub(super) fn coarse_grid(
 ) -> GridBound {
     let arrival = Belief::new(model).as_slice().to_vec();
     let ahead = |bound: &GridBound| bound.look_ahead(model, &arrival, Viewpoint(0)).1;
-    let values = |n: f64| resolution(n, 0.0).values(model) as f64 * model.kind_count() as f64;
+    // Work per value: how many posteriors a look may lead to, and between how many points each lies.
+    let entries = (model.label_count() * model.kind_count()) as f64 / model.class_count() as f64;
+    let values = |n: f64| resolution(n, 0.0).values(model) as f64 * entries;
     let small = |n: &f64| values(*n) < most_values;
     let intervals = (1..=COARSEST).rev().map(f64::from).find(small).unwrap_or(1.0);
     // Each starts from the best before it, which is a bound on any grid.
