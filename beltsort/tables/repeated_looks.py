@@ -207,7 +207,8 @@ def looks_at_objects(
         In the order they were made. An object is recognised by its name, from every viewpoint and after the
         belt has moved; one without a name or a class is left out.
     modes
-        Name of the mode of each object, by the object's name; objects that are missing have unknown modes.
+        Name of the mode of each object by the object's name, as `Recording.modes` returns it; the modes of
+        others are not known.
 
     Examples
     --------

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from beltsort import ArgumentError
+from beltsort import ArgumentError, Belief, SortingModel
 from beltsort.tables import LabelledScan, count
+from beltsort.tables.held_out import log_posteriors
 from beltsort.tables.modes import ModeSettings, ModeTables, fit_modes, one_mode_reasons
 from beltsort.tables.repeated_looks import LooksAtObject, RepeatedLooks, TableShape, looks_at_objects
 from beltsort.tables.scans import looks as independent_looks
@@ -82,6 +83,17 @@ def test_likelihood_is_the_sum_over_modes(fitted: ModeTables) -> None:
     posterior = fitted.mode_posteriors(one)[0]
     assert posterior[:2].tolist() == [0.0, 0.0]
     assert posterior.sum() == pytest.approx(1.0)
+
+
+def test_a_belief_of_the_core_is_the_posterior(fitted: ModeTables) -> None:
+    names = ["0", "1", "nothing"]
+    model = SortingModel(["0", "1"], ["low", "high"], fitted.p_obs, labels=names, modes=fitted.weights)
+    looks = ((0, 1, 2), (0, 0, 0), (0, 1, 2), (0, 1, 1))
+    belief = Belief(model)
+    for _, k, z in looks:
+        belief.observe(k, [z, None])
+    expected = np.exp(log_posteriors(fitted, RepeatedLooks.of([LooksAtObject(0, looks)], SHAPE)))
+    np.testing.assert_allclose(belief.probabilities[0], expected[0], rtol=1e-9)
 
 
 def test_empty_modes_are_dropped() -> None:
