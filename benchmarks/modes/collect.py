@@ -5,20 +5,16 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beltsort.perception import NearestNeighbour, segment
 from beltsort.sim import CellConfig, SimulatedCell
+from beltsort.tables.repeated_looks import NONE, Array, Integers
 from beltsort.util.processes import Progress, in_processes
 from beltsort.util.randomness import generator
-
-Integers = NDArray[np.int64]
-Array = NDArray[np.float64]
 
 MODES_STREAM = 5  # objects that nothing else uses: see `beltsort.sim.rounds`
 RUN_LENGTH = 24  # objects that pass the camera in one simulated cell
 SCANS = 2  # from every viewpoint at every position
-NO_LABEL = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +28,7 @@ class SimulatedLooks:
     pose
         How each object lies, shape (n,): 0 upright, 1 leaning, 2 lying. The classifier does not know it.
     labels
-        Shape (n, H, K, 2); `NO_LABEL` where there was none.
+        Shape (n, H, K, 2); `NONE` where there was none.
     distances
         Distance to the nearest reference of every class, shape (n, H, K, 2, L); NaN where nothing was found.
     """
@@ -41,10 +37,6 @@ class SimulatedLooks:
     pose: Integers
     labels: Integers
     distances: Array
-
-    def __getitem__(self, chosen: slice) -> Self:
-        """Return some of the objects."""
-        return type(self)(self.true[chosen], self.pose[chosen], self.labels[chosen], self.distances[chosen])
 
     def save(self, path: Path) -> None:
         """Write a .npz file."""
@@ -76,7 +68,7 @@ class Collector:
         cell_seed = int(rng.integers(2**63))
         cell = SimulatedCell([*before.tolist(), *shown.tolist(), *after.tolist()], config, cell_seed)
         shape = (RUN_LENGTH, positions, len(config.viewpoints), SCANS)
-        labels, distances = np.full(shape, NO_LABEL), np.full((*shape, len(config.classes)), np.nan)
+        labels, distances = np.full(shape, NONE), np.full((*shape, len(config.classes)), np.nan)
         for first in range(len(before) + RUN_LENGTH):
             cell.advance_to(first, f"advance-{first}")
             for k in range(len(config.viewpoints)):
@@ -89,7 +81,7 @@ class Collector:
                             continue
                         match = self.database.classify(points, segmented.camera)
                         distances[n, j, k, scan] = match.distances
-                        labels[n, j, k, scan] = NO_LABEL if match.label is None else match.label
+                        labels[n, j, k, scan] = NONE if match.label is None else match.label
         numbers = range(len(before), len(before) + RUN_LENGTH)
         pose = np.array([_pose(config, cell_seed, n) for n in numbers])
         return SimulatedLooks(shown, pose, labels, distances)

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beltsort.tables import LooksAtObject, ModeSettings, RepeatedLooks, TableShape
+from beltsort.tables import ModeSettings, RepeatedLooks, TableShape
 from beltsort.tables.held_out import Candidate, log_posteriors
 from beltsort.tables.mode_choice import MOST_MODES, candidates
-from beltsort.tables.repeated_looks import Array, Integers
+from beltsort.tables.repeated_looks import NONE, Array, Integers, looks_in_every_row
 from beltsort.util.calibration_error import calibration_error
-from benchmarks.modes.collect import NO_LABEL, SimulatedLooks
+from benchmarks.modes.collect import SimulatedLooks
 
 SHARES = (1 / 3, 2 / 3, 1.0)  # 4, 8 and 12 of 12 looks at an object
 ORDERS = 5  # random orders of the looks, over which figures are means
@@ -63,22 +63,14 @@ def confidence_levels(looks: SimulatedLooks, levels: int, fitted: slice) -> Inte
     margin = distances[..., 1] - distances[..., 0]
     edges = np.nanquantile(margin[fitted], np.arange(1, levels) / levels)
     level = np.searchsorted(edges, margin)
-    return np.where(looks.labels == NO_LABEL, NO_LABEL, looks.labels * levels + level)
+    return np.where(looks.labels == NONE, NONE, looks.labels * levels + level)
 
 
 def repeated(looks: SimulatedLooks, labels: Integers, number: int, *, named: bool = False) -> RepeatedLooks:
     """Return the looks as tables are fitted to them; `number` is the number of labels Z."""
-    n, positions, viewpoints, scans = labels.shape
-    index = np.indices((positions, viewpoints, scans)).reshape(3, -1)[:2].T.tolist()
-    objects = [
-        LooksAtObject(
-            int(looks.true[o]),
-            tuple((*row, None if z == NO_LABEL else z) for row, z in zip(index, seen, strict=True)),
-            POSES[looks.pose[o]] if named else None,
-        )
-        for o, seen in enumerate(labels.reshape(n, -1).tolist())
-    ]
-    return RepeatedLooks.of(objects, TableShape(positions, viewpoints, int(looks.true.max()) + 1, number))
+    objects = looks_in_every_row(looks.true, labels, [POSES[pose] for pose in looks.pose] if named else None)
+    shape = TableShape(labels.shape[1], labels.shape[2], int(looks.true.max()) + 1, number)
+    return RepeatedLooks.of(objects, shape)
 
 
 def measure(looks: SimulatedLooks, fitted: int, *, most: int = MOST_MODES) -> Iterator[Row]:
