@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from beltsort.calibration.reliability import EDGES, Reliability
+from beltsort.calibration.reliability import Reliability
+from beltsort.util.calibration_error import EDGES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

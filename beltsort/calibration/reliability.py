@@ -1,10 +1,9 @@
 r"""How well beliefs are calibrated: reliability curve, calibration error, Brier score.
 
 A pair is a belief p in a class and whether the object is of it (y = 1) or not (y = 0). Pairs are put into the
-bins of `EDGES`; with n pairs, of which n_b in bin b,
+bins of `EDGES`, for the calibration error (ECE) of `beltsort.util.calibration_error`; with n pairs,
 
-.. math:: \text{ECE} = \sum_b \frac{n_b}{n} \, \Big| \overline{p}_b - \overline{y}_b \Big|, \qquad
-          \text{Brier} = \frac{1}{n} \sum (p - y)^2 .
+.. math:: \text{Brier} = \frac{1}{n} \sum (p - y)^2 .
 
 An ECE is never 0, since a share of few outcomes differs from its probability. So it is given with the value
 expected by chance: outcomes are drawn from the beliefs, with one random number for each object, which leaves
@@ -16,8 +15,7 @@ policy chose the looks and the moment to decide; so pairs of all steps may be th
 
 References
 ----------
-M. P. Naeini, G. F. Cooper, M. Hauskrecht, "Obtaining well calibrated probabilities using Bayesian binning",
-AAAI 2015 (ECE). J. Bröcker, L. A. Smith, "Increasing the reliability of reliability diagrams", Weather and
+J. Bröcker, L. A. Smith, "Increasing the reliability of reliability diagrams", Weather and
 Forecasting 22 (2007) (chance bands). D. J. Spiegelhalter, "Probabilistic prediction in patient management and
 clinical trials", Statistics in Medicine 5 (1986) (expected Brier score).
 """
@@ -29,12 +27,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beltsort import ArgumentError
+from beltsort.util.calibration_error import EDGES, bins_of, error_of_bins
 from beltsort.util.text import number_or_none
 
 Array = NDArray[np.float64]
 
-EDGES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0)
-"""Edges of the bins, finer towards 0 and 1, where beliefs are; the same for every sample."""
 DRAWS = 1000
 TAILS = (2.5, 97.5)  # percentiles: 95 % bands
 
@@ -77,8 +74,8 @@ class Pairs:
 
     @property
     def bins(self) -> NDArray[np.int64]:
-        """Index of each belief's bin, shape (n, m); a belief on an edge is in the upper one."""
-        return np.clip(np.searchsorted(EDGES, self.beliefs, side="right") - 1, 0, len(EDGES) - 2)
+        """Index of each belief's bin, shape (n, m)."""
+        return bins_of(self.beliefs)
 
     def drawn(self, rng: np.random.Generator) -> NDArray[np.bool_]:
         """Draw outcomes from the beliefs, with one random number for each object; shape (n, m)."""
@@ -171,7 +168,8 @@ def reliability(pairs: Pairs, seed: int = 0) -> Reliability:
     belief, hits = resampled @ tally.belief, resampled @ tally.hits
     by_chance = np.stack([tally.binned(pairs.drawn(rng)) for _ in range(DRAWS)])
     whole = tally.counts.sum(axis=0), tally.belief.sum(axis=0), tally.hits.sum(axis=0)
-    ece, eces, chances = _ece(*whole), _ece(counts, belief, hits), _ece(whole[0], whole[1], by_chance)
+    ece, eces = error_of_bins(*whole), error_of_bins(counts, belief, hits)
+    chances = error_of_bins(whole[0], whole[1], by_chance)
     n = counts.sum(axis=1)
     brier, excess = resampled @ tally.brier / n, resampled @ (tally.brier - tally.spread) / n
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -215,12 +213,6 @@ class _Tally:
     def _sum(self, values: NDArray[Any]) -> Array:
         sums = np.bincount(self._cells, values.ravel(), self._shape[0] * self._shape[1])
         return sums.astype(np.float64).reshape(self._shape)
-
-
-def _ece(counts: NDArray[Any], belief: Array, hits: Array) -> Array:
-    """Return the ECE of binned sums, shape (..., bins) each."""
-    error: Array = np.abs(belief - hits).sum(axis=-1) / counts.sum(axis=-1)
-    return error
 
 
 def _percentiles(shares: Array) -> Array:

@@ -6,7 +6,10 @@ from beltsort.tables.estimate import Estimate, estimate
 from beltsort.tables.label import label_recording
 from beltsort.tables.layout import agreement_text, table_one, table_two
 from beltsort.tables.log import LabelLog
+from beltsort.tables.mode_choice import ModeChoice, choose_modes
+from beltsort.tables.modes import ModeSettings, ModeTables, fit_modes
 from beltsort.tables.recording import read_recording
+from beltsort.tables.repeated_looks import LooksAtObject, RepeatedLooks, TableShape, looks_at_objects
 from beltsort.tables.scans import LabelledScan
 
 __all__ = [
@@ -17,10 +20,19 @@ __all__ = [
     "LabelLog",
     "LabelledScan",
     "Look",
+    "LooksAtObject",
+    "ModeChoice",
+    "ModeSettings",
+    "ModeTables",
+    "RepeatedLooks",
+    "TableShape",
     "agreement_text",
+    "choose_modes",
     "count",
     "estimate",
+    "fit_modes",
     "label_recording",
+    "looks_at_objects",
     "read_recording",
     "table_one",
     "table_two",

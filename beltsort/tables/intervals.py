@@ -34,12 +34,16 @@ def standard_errors(counts: Counts, smoothing: float) -> Array:
 
 def credible_intervals(counts: Counts, smoothing: float) -> tuple[Array, Array]:
     """Return the lower and upper ends of the 95 % intervals, equal tails, shape (H, K, L, L) each."""
-    own = counts.counts + smoothing
-    others = own.sum(axis=-1, keepdims=True) - own
+    return dirichlet_intervals(counts.counts.astype(np.float64) + smoothing)
+
+
+def dirichlet_intervals(parameters: Array) -> tuple[Array, Array]:
+    """Return the ends of the 95 % intervals of rows with a Dirichlet distribution of these parameters."""
+    others = parameters.sum(axis=-1, keepdims=True) - parameters
     tail = (1.0 - CREDIBILITY) / 2.0
-    if own.shape[-1] == 1:
-        return np.ones(own.shape), np.ones(own.shape)
-    return betaincinv(own, others, tail), betaincinv(own, others, 1.0 - tail)
+    if parameters.shape[-1] == 1:
+        return np.ones(parameters.shape), np.ones(parameters.shape)
+    return betaincinv(parameters, others, tail), betaincinv(parameters, others, 1.0 - tail)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ where `layout` has the fields of `beltsort.geometry.BeltLayout` (metres; missing
 The file holds the whole scan in the camera frame, in a format that `beltsort.perception.read_cloud` reads;
 its path starts at the folder. `classes` and `objects` have an entry for each position, the belt end first:
 the true class, and a name by which repeated scans of an object are recognised (null for both: nothing there,
-or the truth is not known). An object that was taken out and put back gets another name.
+or the truth is not known). An object that was taken out and put back gets another name. A line may also have
+`modes`: a name for how each object lies or looks, which stays the same from scan to scan (null: not known).
 """
 
 import json
@@ -31,6 +32,7 @@ from beltsort.util.naming import nearest_of
 VERSION = 1
 HEADER, MANIFEST = "cell.json", "manifest.jsonl"
 KEYS = ("file", "viewpoint", "classes", "objects", "world_from_camera")
+MODES = "modes"
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,8 @@ class RecordedScan:
         Name of the object at each position, or None.
     world_from_camera
         The camera's pose as the arm reported it, shape (4, 4).
+    modes
+        Name of the mode of the object at each position, or None; empty if the line has none.
     """
 
     file: str
@@ -70,6 +74,7 @@ class RecordedScan:
     true: tuple[int | None, ...]
     objects: tuple[str | None, ...]
     world_from_camera: Pose
+    modes: tuple[str | None, ...] = ()
 
     def line(self, header: Header) -> str:
         """Return the manifest's line."""
@@ -78,7 +83,8 @@ class RecordedScan:
             *(self.file, header.viewpoints[self.viewpoint]),
             *(classes, self.objects, self.world_from_camera.tolist()),
         )
-        return json.dumps(dict(zip(KEYS, values, strict=True))) + "\n"
+        modes = {MODES: self.modes} if self.modes else {}
+        return json.dumps({**dict(zip(KEYS, values, strict=True)), **modes}) + "\n"
 
 
 @dataclass(frozen=True)
@@ -89,6 +95,15 @@ class Recording:
     header: Header
     scans: tuple[RecordedScan, ...]
 
+    def modes(self) -> dict[str, str]:
+        """Return the name of the mode of each object whose mode is known, for `looks_at_objects`."""
+        return {
+            name: mode
+            for scan in self.scans
+            for name, mode in zip(scan.objects, scan.modes, strict=False)
+            if name is not None and mode is not None
+        }
+
 
 def read_recording(folder: Path) -> Recording:
     """Read and check a recording; its clouds are not read yet.
@@ -97,7 +112,7 @@ def read_recording(folder: Path) -> Recording:
     ------
     RecordingError
         If a file is missing or damaged, a name is unknown, a scan is listed twice, or an object has two
-        classes. Nothing is skipped.
+        classes or two modes. Nothing is skipped.
     """
     header = read_header(folder)
     scans = read_manifest(folder, header)
@@ -163,6 +178,7 @@ class _ManifestReader:
         self.line = 0
         self.line_of: dict[str, int] = {}
         self.class_of: dict[str, int] = {}
+        self.mode_of: dict[str, str] = {}
 
     def scan(self, number: int, text: str) -> RecordedScan:
         self.line = number
@@ -170,7 +186,7 @@ class _ManifestReader:
             row = json.loads(text)
         except ValueError as reason:
             raise self.error(f"no JSON ({reason})", "delete it, or record its scan again") from reason
-        if not isinstance(row, dict) or row.keys() != set(KEYS):
+        if not isinstance(row, dict) or row.keys() - {MODES} != set(KEYS):
             given = sorted(row) if isinstance(row, dict) else row
             raise self.error(f"keys are {given}, expected {sorted(KEYS)}", "correct the line")
         return RecordedScan(
@@ -178,6 +194,7 @@ class _ManifestReader:
             self.index(row["viewpoint"], self.header.viewpoints, "viewpoint"),
             *self.truth(row["classes"], row["objects"]),
             self.pose(row["world_from_camera"]),
+            self.modes(row.get(MODES, []), row["objects"]),
         )
 
     def file(self, file: object) -> str:
@@ -216,6 +233,22 @@ class _ManifestReader:
         if earlier != label:
             two = f"{self.header.classes[earlier]} and {self.header.classes[label]}"
             raise self.error(f"object {name!r} has the classes {two}", "give every object its own name")
+
+    def modes(self, modes: Any, objects: Sequence[str | None]) -> tuple[str | None, ...]:
+        if not isinstance(modes, list) or len(modes) not in (0, len(objects)):
+            raise self.error(
+                f"modes are {modes}, expected {len(objects)} entries", "give null where none is known"
+            )
+        for name, mode in zip(objects, modes, strict=False):
+            if mode is None:
+                continue
+            if not isinstance(mode, str) or name is None:
+                raise self.error(f"object {name!r} has the mode {mode!r}", "name both, or null for both")
+            if (earlier := self.mode_of.setdefault(name, mode)) != mode:
+                raise self.error(
+                    f"object {name!r} has the modes {earlier} and {mode}", "give every object its own name"
+                )
+        return tuple(modes)
 
     def index(self, name: object, names: Sequence[str], what: str) -> int:
         if name in names:

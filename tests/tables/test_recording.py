@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from beltsort.errors import RecordingError
+from beltsort.tables import LabelledScan, looks_at_objects
 from beltsort.tables.recording import HEADER, MANIFEST, read_recording
 
 CELL = {
@@ -44,6 +45,31 @@ def test_a_recording_is_read_and_written_back(tmp_path: Path) -> None:
     written = tmp_path / HEADER
     written.write_text(recording.header.to_json())
     assert read_recording(tmp_path).header == recording.header
+
+
+def test_modes_are_read_and_written_back(tmp_path: Path) -> None:
+    rows = (row(modes=["lying", None]), row(file="1.npy"))
+    recording = read_recording(folder_of(tmp_path, *rows))
+    assert recording.modes() == {"x": "lying"}
+    assert [json.loads(scan.line(recording.header)) for scan in recording.scans] == list(rows)
+    seen = [LabelledScan(scan.viewpoint, scan.true, scan.objects, (1, None)) for scan in recording.scans]
+    (looks,) = looks_at_objects(seen, recording.modes())
+    assert (looks.mode, len(looks.looks)) == ("lying", 2)
+
+
+@pytest.mark.parametrize(
+    ("modes", "said"),
+    [
+        (["lying"], r"modes .*\['lying'\].*\b2\b"),
+        ("lying", r"modes .*\blying\b.*\b2\b"),
+        ([3, None], r"object 'x' .*\b3\b"),
+        ([None, "lying"], r"object None .*'lying'"),
+        (["upright", None], r"object 'x' .*\blying\b.*\bupright\b"),
+    ],
+)
+def test_bad_modes_are_named(tmp_path: Path, modes: Any, said: str) -> None:
+    with pytest.raises(RecordingError, match=rf"manifest\.jsonl, line 2\b.*{said}"):
+        read_recording(folder_of(tmp_path, row(modes=["lying", None]), row(file="1.npy", modes=modes)))
 
 
 @pytest.mark.parametrize(
