@@ -129,7 +129,8 @@ MESSAGES: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
         beltsort.ModelError,
         'unknown key "discont" in the model file; did you mean "discount"? Known keys: classes, '
         "viewpoints, p_obs, labels, bins, reward, modes, r_max, r_min, motion_cost, discount, arrival, "
-        "travel, observe_after_decision, repeat, information_gain, empty, label_rule, counts, smoothing, note",
+        "travel, observe_after_decision, repeat, information_gain, empty, label_rule, counts, smoothing, "
+        "note",
     ),
     "impossible label": (
         impossible_label,
