@@ -11,6 +11,8 @@ from beltsort.geometry import Points
 
 Scores = NDArray[np.float64]
 
+TOLERANCE = 1e-4  # of the sum of probabilities: that of a softmax in single precision misses 1 by less
+
 
 @dataclass(frozen=True, eq=False)
 class Match:
@@ -26,6 +28,8 @@ class Match:
     distances
         Distance to the nearest training example of each class, shape (L,), infinite if it has none; None from
         a classifier without distances.
+    probabilities
+        Probability of each class, shape (L,), sum 1; None from a classifier without probabilities.
 
     Examples
     --------
@@ -37,9 +41,10 @@ class Match:
     label: int | None
     scores: Scores
     distances: Scores | None = None
+    probabilities: Scores | None = None
 
     def __post_init__(self) -> None:
-        """Refuse scores that are not finite and labels without a score."""
+        """Refuse scores that are not finite, labels without a score, and what is no distribution."""
         shape = np.shape(self.scores)
         if len(shape) != 1 or shape[0] == 0 or not np.isfinite(self.scores).all():
             raise beltsort.ArgumentError(
@@ -50,6 +55,13 @@ class Match:
                 f"distances have shape {np.shape(self.distances)}, expected {shape} as the scores: give one "
                 "for each class, or None"
             )
+        if self.distances is not None and not (np.asarray(self.distances) >= 0.0).all():
+            raise beltsort.ArgumentError(
+                f"distances are {self.distances}, expected numbers of at least 0: give infinity where there "
+                "is no example"
+            )
+        if self.probabilities is not None:
+            check_distribution(self.probabilities, shape[0])
         if self.label is not None and not 0 <= self.label < shape[0]:
             raise beltsort.ArgumentError(
                 f"label is {self.label}, expected a class index from 0 to {shape[0] - 1}, or None: "
@@ -72,6 +84,29 @@ class Match:
         """Distance to the second-best class, infinite if there is none; close to `distance` if in doubt."""
         return self._ranked_distance(1)
 
+    @property
+    def margin(self) -> float | None:
+        """How much nearer the best class is than every other one, in [-1, 1]; None without distances.
+
+        With d the distance to the best class and r that to the nearest other class: (r - d) / (r + d), so 0
+        if in doubt and 1 if the best class fits exactly or is the only one. It is negative if the best class
+        has the most votes but not the nearest example.
+        """
+        if self.distances is None:
+            return None
+        best = self.best
+        d, r = float(self.distances[best]), float(np.delete(self.distances, best).min(initial=np.inf))
+        if np.isinf(r):
+            return 0.0 if np.isinf(d) else 1.0
+        if np.isinf(d):
+            return -1.0
+        return (r - d) / (r + d) if r + d > 0.0 else 0.0
+
+    @property
+    def best(self) -> int:
+        """The label, or the first of `ranking` if the candidate is rejected."""
+        return self.ranking[0] if self.label is None else self.label
+
     def _ranked_distance(self, rank: int) -> float | None:
         if self.distances is None:
             return None
@@ -82,6 +117,24 @@ class Match:
         if reject is None or self.distance is None or self.distance <= reject:
             return self
         return replace(self, label=None)
+
+
+def check_distribution(probabilities: Scores, classes: int) -> None:
+    """Raise an `ArgumentError` unless `probabilities` are one number for each class, none negative, sum 1."""
+    remedy = "give one for each class, as softmax returns them"
+    if np.shape(probabilities) != (classes,):
+        raise beltsort.ArgumentError(
+            f"probabilities have shape {np.shape(probabilities)}, expected ({classes},): {remedy}"
+        )
+    if not (np.isfinite(probabilities).all() and (probabilities >= 0.0).all()):
+        raise beltsort.ArgumentError(
+            f"probabilities are {probabilities.tolist()}, expected finite numbers, none negative: {remedy}"
+        )
+    if abs(probabilities.sum() - 1.0) > TOLERANCE:
+        raise beltsort.ArgumentError(
+            f"probabilities are {probabilities.tolist()} with the sum {probabilities.sum():g}, expected the "
+            f"sum 1 (within {TOLERANCE:g}): {remedy}"
+        )
 
 
 class Classifier(Protocol):

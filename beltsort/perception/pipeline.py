@@ -4,9 +4,10 @@ from dataclasses import dataclass, fields
 
 from beltsort.errors import DatabaseError
 from beltsort.geometry import BeltLayout, Points
-from beltsort.perception.classifier import Classifier
+from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.finding import Finding
+from beltsort.perception.label_rule import LabelRule
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.segment import DepthScan, segment
 
@@ -22,9 +23,10 @@ class Perceived:
     points
         The candidate, shape (n, 3), world frame, metres; None if there is none.
     label
-        Class index, or None: there is nothing to label, or the classifier rejects it.
-    distance, runner_up
-        As in `Match`; None where nothing was classified, or from a classifier without distances.
+        Index of the label, that of a class unless a `LabelRule` is used. None: there is nothing to label, or
+        the classifier rejects it.
+    match
+        What the classifier returned; None where nothing was classified.
     finding
         What was found, or why nothing was.
     """
@@ -32,9 +34,18 @@ class Perceived:
     position: int
     points: Points | None
     label: int | None = None
-    distance: float | None = None
-    runner_up: float | None = None
+    match: Match | None = None
     finding: Finding = Finding.OBJECT
+
+    @property
+    def distance(self) -> float | None:
+        """As in `Match`; None where nothing was classified, or from a classifier without distances."""
+        return None if self.match is None else self.match.distance
+
+    @property
+    def runner_up(self) -> float | None:
+        """As in `Match`; None where nothing was classified, or from a classifier without distances."""
+        return None if self.match is None else self.match.runner_up
 
     @property
     def empty(self) -> bool:
@@ -54,15 +65,21 @@ class Perception:
     config
         Must equal the one that a database was trained with, which is the default; `PerceptionConfig()` with
         another classifier.
+    rule
+        From what the classifier returns to a label; default: the label is the class.
 
     Raises
     ------
     DatabaseError
-        If `config` is another one than the database's.
+        If `config` is another one than the database's, or the rule is for other classes.
     """
 
     def __init__(
-        self, layout: BeltLayout, classifier: Classifier, config: PerceptionConfig | None = None
+        self,
+        layout: BeltLayout,
+        classifier: Classifier,
+        config: PerceptionConfig | None = None,
+        rule: LabelRule | None = None,
     ) -> None:
         trained = classifier.config if isinstance(classifier, NearestNeighbour) else config
         trained = trained or PerceptionConfig()
@@ -77,9 +94,16 @@ class Perception:
                 f"the configuration has {', '.join(differing)}, expected the database's own: "
                 "pass config=classifier.config or train again"
             )
+        rule = rule or LabelRule(tuple(classifier.classes))
+        if rule.classes != tuple(classifier.classes):
+            raise DatabaseError(
+                f"the rule labels the classes {list(rule.classes)}, expected the classifier's "
+                f"{list(classifier.classes)}, in this order: fit the rule with this classifier"
+            )
         self.layout = layout
         self.classifier = classifier
         self.config = config
+        self.rule = rule
 
     def __call__(self, scan: DepthScan) -> list[Perceived]:
         """Return what is perceived at each of the H positions, the belt end first.
@@ -94,7 +118,7 @@ class Perception:
         return [self._perceive(j, *what, segmented.camera) for j, what in enumerate(found)]
 
     def _perceive(self, position: int, points: Points | None, finding: Finding, camera: Points) -> Perceived:
-        if points is None or finding is not Finding.OBJECT:
-            return Perceived(position, points, finding=finding)
-        match = self.classifier.classify(points, camera)
-        return Perceived(position, points, match.label, match.distance, match.runner_up)
+        match = None
+        if points is not None and finding is Finding.OBJECT:
+            match = self.classifier.classify(points, camera)
+        return Perceived(position, points, self.rule.label(match, finding), match, finding)

@@ -69,6 +69,12 @@ def test_it_takes_the_configuration_that_is_given() -> None:
         (lambda: Match(0, np.ones((2, 2))), r"(?s)\bscores\b.*\[1\. 1\.\]\].*\(L,\)"),
         (lambda: Match(None, np.ones(0)), r"\bscores\b.*\[\].*\(L,\)"),
         (lambda: Match(0, np.ones(2), np.ones(3)), r"\bdistances\b.*\(3,\).*\(2,\)"),
+        (lambda: Match(0, np.ones(2), np.array([1.0, np.nan])), r"\bdistances\b.*\bnan\b"),
+        (lambda: Match(0, np.ones(2), np.array([1.0, -1.0])), r"\bdistances\b.*-1\b"),
+        (lambda: Match(0, np.ones(2), None, np.ones(3) / 3), r"\bprobabilities\b.*\(3,\).*\(2,\)"),
+        (lambda: Match(0, np.ones(2), None, np.array([0.5, 0.4])), r"\bprobabilities\b.*\b0\.9\b.*\b1\b"),
+        (lambda: Match(0, np.ones(2), None, np.array([1.5, -0.5])), r"\bprobabilities\b.*-0\.5\b"),
+        (lambda: Match(0, np.ones(2), None, np.array([1.0, np.nan])), r"\bprobabilities\b.*\bnan\b"),
     ],
 )
 def test_answers_without_sense_are_refused(answer: Callable[[], Match], said: str) -> None:
