@@ -7,6 +7,7 @@ from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.confusion import Confusion, confusion
 from beltsort.perception.descriptor import describe, oriented_normals
 from beltsort.perception.finding import Finding
+from beltsort.perception.label_edges import fit_label_rule
 from beltsort.perception.label_rule import LabelRule
 from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold
 from beltsort.perception.nearest import NearestNeighbour
@@ -30,6 +31,7 @@ __all__ = [
     "UnitWarning",
     "confusion",
     "describe",
+    "fit_label_rule",
     "leave_one_out",
     "oriented_normals",
     "read_cloud",
