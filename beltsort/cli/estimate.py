@@ -102,7 +102,7 @@ def check(arguments: Namespace) -> None:
     from beltsort.tables.intervals import check_error
 
     check_writable(arguments.output)
-    check_smoothing(arguments.smoothing, classes=1)
+    check_smoothing(arguments.smoothing, labels=1)
     check_error(arguments.error)
     if arguments.figure is not None:
         check_writable(arguments.figure)

@@ -1,5 +1,6 @@
 """From labels of many scans to observation tables and a model, and whether the tables still hold."""
 
+from beltsort.tables.confidence import MatchedScan, RuleChoice, choose_rule
 from beltsort.tables.counts import Counts, Look, count
 from beltsort.tables.drift import Alarm, DriftWatch
 from beltsort.tables.estimate import Estimate, estimate
@@ -21,13 +22,16 @@ __all__ = [
     "LabelledScan",
     "Look",
     "LooksAtObject",
+    "MatchedScan",
     "ModeChoice",
     "ModeSettings",
     "ModeTables",
     "RepeatedLooks",
+    "RuleChoice",
     "TableShape",
     "agreement_text",
     "choose_modes",
+    "choose_rule",
     "count",
     "estimate",
     "fit_modes",

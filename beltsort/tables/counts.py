@@ -22,7 +22,7 @@ class Look:
     position, viewpoint, true
         Where the object stood, where the camera stood, the object's class: indices.
     observed
-        The first scan's label, or None: the object was not found or not labelled.
+        Index of the first scan's label, or None: the object was not found or not labelled.
     again
         The label of a second scan that differs in nothing but sensor noise and arm repeatability; None if
         there was no second scan or it gave no label.
@@ -39,26 +39,30 @@ class Look:
 class Counts:
     """How often each label was seen in each table row, every count an independent object.
 
-    H positions, K viewpoints, L classes.
+    H positions, K viewpoints, L classes, Z labels.
 
     Attributes
     ----------
     counts
-        Objects by position, viewpoint, true and observed class, shape (H, K, L, L).
+        Objects by position, viewpoint, true class and label, shape (H, K, L, Z).
     missed
         Objects that got no label, by position, viewpoint and true class, shape (H, K, L); no part of
         `counts`.
     agree, pairs
         Objects scanned twice with the same label, and objects labelled twice, shape (H, K).
+    label_classes
+        The class that each label names, or None if it names none, shape (Z,); None: the labels are the
+        classes.
     """
 
     counts: Integers
     missed: Integers
     agree: Integers
     pairs: Integers
+    label_classes: tuple[int | None, ...] | None = None
 
     def probabilities(self, smoothing: float) -> Array:
-        """Return the posterior mean of the observation table, shape (H, K, L, L); rows sum to 1.
+        """Return the posterior mean of the observation table, shape (H, K, L, Z); rows sum to 1.
 
         Parameters
         ----------
@@ -78,12 +82,16 @@ class Counts:
         return probabilities
 
     def accuracy(self) -> Array:
-        """Return the share of right labels among the labels, mean over true classes, shape (H, K).
+        """Return the share of right labels, mean over true classes, shape (H, K).
 
-        NaN where a class was never labelled.
+        Labels that name no class are left out. NaN where a class has no other ones.
         """
+        classes = self.counts.shape[2]
+        named = range(classes) if self.label_classes is None else self.label_classes
+        is_right = np.array([[label == true for label in named] for true in range(classes)])  # (L, Z)
+        is_class = np.array([label is not None for label in named])  # (Z,)
         with np.errstate(invalid="ignore"):
-            right: Array = np.diagonal(self.counts, axis1=-2, axis2=-1) / self.counts.sum(axis=-1)
+            right: Array = (self.counts * is_right).sum(axis=-1) / (self.counts * is_class).sum(axis=-1)
         accuracy: Array = right.mean(axis=-1)
         return accuracy
 
@@ -151,16 +159,22 @@ class Counts:
         )
 
 
-def check_smoothing(smoothing: float, classes: int) -> None:
+def check_smoothing(smoothing: float, labels: int) -> None:
     """Raise an `ArgumentError` unless `smoothing` is positive and so many of it add up."""
-    if not (smoothing > 0.0 and np.isfinite(smoothing * classes)):
+    if not (smoothing > 0.0 and np.isfinite(smoothing * labels)):
         raise beltsort.ArgumentError(
             f"smoothing is {smoothing}, expected a positive number, not infinite: zeros in a table make "
             "beliefs irrevocable; 1 is a uniform prior"
         )
 
 
-def count(looks: Iterable[Look], positions: int, viewpoints: int, classes: int) -> Counts:
+def count(
+    looks: Iterable[Look],
+    positions: int,
+    viewpoints: int,
+    classes: int,
+    label_classes: Sequence[int | None] | None = None,
+) -> Counts:
     """Count looks at independent objects.
 
     Parameters
@@ -169,6 +183,14 @@ def count(looks: Iterable[Look], positions: int, viewpoints: int, classes: int) 
         One for each object: two looks at one object in one row would not be independent.
     positions, viewpoints, classes
         H, K, L.
+    label_classes
+        The class that each of the Z labels names, or None, as in `LabelRule.label_classes`; default: the
+        labels are the classes.
+
+    Raises
+    ------
+    ArgumentError
+        If a label names a class that there is not.
 
     Examples
     --------
@@ -176,8 +198,19 @@ def count(looks: Iterable[Look], positions: int, viewpoints: int, classes: int) 
     >>> counts = count(looks, positions=1, viewpoints=1, classes=2)
     >>> counts.probabilities(smoothing=1.0)[0, 0].tolist()
     [[0.5, 0.5], [0.4, 0.6]]
+
+    With a label for "not recognised":
+
+    >>> looks = [Look(position=0, viewpoint=0, true=1, observed=label) for label in (1, 1, 0, 2)]
+    >>> count(looks, positions=1, viewpoints=1, classes=2, label_classes=(0, 1, None)).counts.tolist()
+    [[[[0, 0, 0], [1, 2, 1]]]]
     """
-    counts = np.zeros((positions, viewpoints, classes, classes), dtype=np.int64)
+    labels = tuple(range(classes) if label_classes is None else label_classes)
+    if any(label is not None and not 0 <= label < classes for label in labels):
+        raise beltsort.ArgumentError(
+            f"label_classes are {list(labels)}, expected class indices from 0 to {classes - 1}, or None"
+        )
+    counts = np.zeros((positions, viewpoints, classes, len(labels)), dtype=np.int64)
     missed = np.zeros((positions, viewpoints, classes), dtype=np.int64)
     agree, pairs = np.zeros((2, positions, viewpoints), dtype=np.int64)
     for look in looks:
@@ -188,4 +221,4 @@ def count(looks: Iterable[Look], positions: int, viewpoints: int, classes: int) 
         if look.again is not None:
             pairs[look.position, look.viewpoint] += 1
             agree[look.position, look.viewpoint] += look.again == look.observed
-    return Counts(counts, missed, agree, pairs)
+    return Counts(counts, missed, agree, pairs, None if label_classes is None else labels)

@@ -17,7 +17,7 @@ CREDIBILITY = 0.95
 
 
 def standard_errors(counts: Counts, smoothing: float) -> Array:
-    """Return the posterior standard deviation of every entry, shape (H, K, L, L).
+    """Return the posterior standard deviation of every entry, shape (H, K, L, Z).
 
     Examples
     --------
@@ -33,7 +33,7 @@ def standard_errors(counts: Counts, smoothing: float) -> Array:
 
 
 def credible_intervals(counts: Counts, smoothing: float) -> tuple[Array, Array]:
-    """Return the lower and upper ends of the 95 % intervals, equal tails, shape (H, K, L, L) each."""
+    """Return the lower and upper ends of the 95 % intervals, equal tails, shape (H, K, L, Z) each."""
     return dirichlet_intervals(counts.counts.astype(np.float64) + smoothing)
 
 

@@ -57,7 +57,7 @@ class ModeSettings:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        check_smoothing(self.smoothing, classes=1)
+        check_smoothing(self.smoothing, labels=1)
         for name in ("pseudo_looks", "position_looks", "pseudo_objects"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise beltsort.ArgumentError(
