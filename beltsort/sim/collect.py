@@ -1,15 +1,27 @@
 """A classifier and labelled scans from the simulated cell; `beltsort.sim.rounds` describes the scenes."""
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from typing import Any, TypeAlias
 
-from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig, describe, segment
+from beltsort.perception import (
+    Classifier,
+    NearestNeighbour,
+    Perceived,
+    Perception,
+    PerceptionConfig,
+    describe,
+    segment,
+)
 from beltsort.perception.vfh import Histogram
 from beltsort.sim import CellConfig
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.sim.rounds import TABLE_STREAM, TRAINING_STREAM, Round, rounds_of
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.log import LabelLog, Labels, label_missing
+from beltsort.tables.matches import MatchedScan, Matches, MatchLog, Seen
 from beltsort.tables.scans import LabelledScan, looks
+from beltsort.util.keyed_log import KeyedLog
 from beltsort.util.processes import Progress, in_processes
 
 SCANS = 2  # scans of each scene for the tables, from one viewpoint
@@ -77,7 +89,7 @@ def _described(config: CellConfig, perception: PerceptionConfig, work: Round) ->
 
 
 def collect_counts(
-    database: NearestNeighbour,
+    database: Classifier,
     config: CellConfig | None = None,
     *,
     objects: int = TABLE_OBJECTS,
@@ -114,7 +126,7 @@ def collect_counts(
 
 
 def collect_scans(
-    database: NearestNeighbour,
+    database: Classifier,
     config: CellConfig | None = None,
     *,
     objects: int = TABLE_OBJECTS,
@@ -142,35 +154,76 @@ def collect_scans(
     config = config or CellConfig()
     rounds = rounds_of(TABLE_STREAM, seed, config, objects)
     log = log or LabelLog()
-    label_missing(
-        partial(_labelled, config, database),
-        rounds,
-        lambda work: work.scan_names(config, SCANS),
-        log,
-        workers,
-        progress,
-    )
+    _perceive(partial(_labelled, config, database), config, rounds, log, workers, progress)
     known = log.labels()
-    return [scan for work in rounds for scan in _with_truth(work, config, known)]
+    return [LabelledScan(*where, known[name]) for name, where in _scans_of(rounds, config)]
 
 
-def _labelled(config: CellConfig, database: NearestNeighbour, work: Round) -> Labels:
+def collect_matches(
+    database: Classifier,
+    config: CellConfig | None = None,
+    *,
+    objects: int = TABLE_OBJECTS,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    log: MatchLog | None = None,
+) -> list[MatchedScan]:
+    """Classify the scans that `collect_scans` labels, and keep all that the classifier returns.
+
+    Parameters and raises as `collect_scans`.
+    """
+    config = config or CellConfig()
+    rounds = rounds_of(TABLE_STREAM, seed, config, objects)
+    log = log or MatchLog()
+    _perceive(partial(_matched, config, database), config, rounds, log, workers, progress)
+    known = log.matches()
+    return [MatchedScan(*where, known[name]) for name, where in _scans_of(rounds, config)]
+
+
+def _perceive(
+    task: Callable[[Round], Mapping[str, Any]],
+    config: CellConfig,
+    rounds: Sequence[Round],
+    log: KeyedLog,
+    workers: int | None,
+    progress: Progress | None,
+) -> None:
+    """Write what `task` returns of every round to the log."""
+    label_missing(task, rounds, lambda work: work.scan_names(config, SCANS), log, workers, progress)
+
+
+def _labelled(config: CellConfig, database: Classifier, work: Round) -> Labels:
     """Return the labels of all scans of a round by the scan's name, `SCANS` of each scene."""
-    perceive = Perception(config.layout, database)
-    scans = (scan for _, of_scene in work.scenes(config, SCANS) for scan in of_scene)
     return {
-        name: tuple(seen.label for seen in perceive(scan))
-        for name, scan in zip(work.scan_names(config, SCANS), scans, strict=True)
+        name: tuple(seen.label for seen in perceived)
+        for name, perceived in _perceived(config, database, work)
     }
 
 
-def _with_truth(work: Round, config: CellConfig, known: Labels) -> list[LabelledScan]:
-    """Return the scans of a round with their labels and the true classes."""
-    names = iter(work.scan_names(config, SCANS))
-    return [
-        LabelledScan(
-            work.viewpoint, tuple(true), work.object_names(config, scene), observed=known[next(names)]
-        )
-        for scene, true in enumerate(work.true_classes(config))
-        for _ in range(SCANS)
-    ]
+def _matched(config: CellConfig, database: Classifier, work: Round) -> Matches:
+    """Return what is seen in all scans of a round by the scan's name, `SCANS` of each scene."""
+    return {name: tuple(map(Seen.of, perceived)) for name, perceived in _perceived(config, database, work)}
+
+
+def _perceived(
+    config: CellConfig, database: Classifier, work: Round
+) -> Iterator[tuple[str, list[Perceived]]]:
+    """Yield the name of every scan of a round, and what is perceived in it."""
+    perceive = Perception(config.layout, database)
+    scans = (scan for _, both in work.scenes(config, SCANS) for scan in both)
+    for name, scan in zip(work.scan_names(config, SCANS), scans, strict=True):
+        yield name, perceive(scan)
+
+
+Where: TypeAlias = tuple[int, tuple[int, ...], tuple[str, ...]]
+"""Viewpoint, true classes and objects of a scan."""
+
+
+def _scans_of(rounds: Sequence[Round], config: CellConfig) -> Iterator[tuple[str, Where]]:
+    """Yield the name of every scan, and what it is of."""
+    for work in rounds:
+        names = iter(work.scan_names(config, SCANS))
+        for scene, true in enumerate(work.true_classes(config)):
+            for _ in range(SCANS):
+                yield next(names), (work.viewpoint, tuple(true), work.object_names(config, scene))

@@ -1,12 +1,13 @@
 """From labels of many scans to observation tables and a model, and whether the tables still hold."""
 
-from beltsort.tables.confidence import MatchedScan, RuleChoice, choose_rule
+from beltsort.tables.confidence import RuleChoice, choose_rule
 from beltsort.tables.counts import Counts, Look, count
 from beltsort.tables.drift import Alarm, DriftWatch
 from beltsort.tables.estimate import Estimate, estimate
-from beltsort.tables.label import label_recording
+from beltsort.tables.label import label_recording, match_recording
 from beltsort.tables.layout import agreement_text, table_one, table_two
 from beltsort.tables.log import LabelLog
+from beltsort.tables.matches import MatchedScan, MatchLog, Seen
 from beltsort.tables.mode_choice import ModeChoice, choose_modes
 from beltsort.tables.modes import ModeSettings, ModeTables, fit_modes
 from beltsort.tables.recording import read_recording
@@ -22,12 +23,14 @@ __all__ = [
     "LabelledScan",
     "Look",
     "LooksAtObject",
+    "MatchLog",
     "MatchedScan",
     "ModeChoice",
     "ModeSettings",
     "ModeTables",
     "RepeatedLooks",
     "RuleChoice",
+    "Seen",
     "TableShape",
     "agreement_text",
     "choose_modes",
@@ -37,6 +40,7 @@ __all__ = [
     "fit_modes",
     "label_recording",
     "looks_at_objects",
+    "match_recording",
     "read_recording",
     "table_one",
     "table_two",

@@ -13,48 +13,14 @@ from numpy.typing import NDArray
 from scipy.special import log_softmax
 
 import beltsort
-from beltsort.perception.classifier import Match
-from beltsort.perception.finding import Finding
 from beltsort.perception.label_rule import LabelRule
 from beltsort.tables.counts import Look, count
+from beltsort.tables.matches import MatchedScan
 from beltsort.tables.scans import LabelledScan
 
 Array = NDArray[np.float64]
 
 FOLDS = 5
-
-
-@dataclass(frozen=True, eq=False)
-class MatchedScan:
-    """What the classifier returned for one scan, with the true classes; a rule makes a `LabelledScan` of it.
-
-    Attributes
-    ----------
-    viewpoint, true, objects
-        As in `LabelledScan`.
-    matches
-        What the classifier returned at each position, or None.
-    findings
-        What was found at each position.
-    """
-
-    viewpoint: int
-    true: tuple[int | None, ...]
-    objects: tuple[str | None, ...]
-    matches: tuple[Match | None, ...]
-    findings: tuple[Finding, ...]
-
-    def labelled(self, rule: LabelRule) -> LabelledScan:
-        """Return the scan with the labels of a rule.
-
-        Raises
-        ------
-        DatabaseError
-            If the rule does not fit the classifier, see `LabelRule.label`.
-        """
-        seen = zip(self.matches, self.findings, strict=True)
-        labels = tuple(rule.label(match, finding) for match, finding in seen)
-        return LabelledScan(self.viewpoint, self.true, self.objects, labels)
 
 
 @dataclass(frozen=True)
@@ -117,12 +83,14 @@ def choose_rule(
 
     Examples
     --------
+    >>> from beltsort.perception import Match
+    >>> from beltsort.tables import Seen
     >>> rng = np.random.default_rng(0)
     >>> def match(true, sure):  # right if sure, else a guess
     ...     label = true if sure else int(rng.integers(2))
     ...     return Match(label, np.ones(2), np.array([0.25 if sure else 0.75, 1.0])[:: 1 - 2 * label])
     >>> scans = [
-    ...     MatchedScan(0, (i % 2,), (f"object {i}",), (match(i % 2, i % 3 > 0),), (Finding.OBJECT,))
+    ...     MatchedScan(0, (i % 2,), (f"object {i}",), (Seen(match(i % 2, i % 3 > 0)),))
     ...     for i in range(120)
     ... ]
     >>> rules = [LabelRule(("nut", "bolt"), edges) for edges in ((), (0.3,))]

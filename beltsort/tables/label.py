@@ -1,35 +1,44 @@
-"""Label recorded scans."""
+"""Classify recorded scans."""
 
 import hashlib
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from beltsort.cell.protocols import Scan
 from beltsort.errors import CloudError, DatabaseError, RecordingError
-from beltsort.geometry import BeltLayout
-from beltsort.perception import NearestNeighbour, Perception, read_cloud
+from beltsort.perception import Classifier, Perceived, Perception, PerceptionConfig, read_cloud
 from beltsort.tables.log import LabelLog, Labels, label_missing
+from beltsort.tables.matches import MatchedScan, Matches, MatchLog, Seen
 from beltsort.tables.recording import MANIFEST, RecordedScan, Recording
 from beltsort.tables.scans import LabelledScan
+from beltsort.util.keyed_log import KeyedLog
 from beltsort.util.processes import Progress
+
+Piece: TypeAlias = tuple[str, RecordedScan]
+"""A scan and its key in the log."""
 
 
 def label_recording(
     recording: Recording,
-    database: NearestNeighbour,
+    classifier: Classifier,
+    config: PerceptionConfig | None = None,
     *,
     workers: int | None = None,
     progress: Progress | None = None,
     log: LabelLog | None = None,
 ) -> list[LabelledScan]:
-    """Label the scans of a recording.
+    """Label the scans of a recording with classes.
 
     Parameters
     ----------
     recording
         The folder.
-    database
-        The classifier; its classes must be the recording's.
+    classifier
+        Its classes must be the recording's. More than one process needs one that can be pickled.
+    config
+        Settings of perception, as in `Perception`.
     workers, progress
         As in `beltsort.util.processes.in_processes`.
     log
@@ -45,27 +54,10 @@ def label_recording(
     CloudError
         If a cloud cannot be read or perceived; what was labelled before is in the log.
     """
-    if database.classes != recording.header.classes:
-        raise DatabaseError(
-            f"the classifier's classes are {list(database.classes)}, expected the recording's "
-            f"{list(recording.header.classes)}, in order: train one for these classes"
-        )
     log = log or LabelLog()
-    keys = [_key(recording.folder, scan) for scan in recording.scans]
-    files: dict[str, str] = {}
-    for key, scan in zip(keys, recording.scans, strict=True):
-        if files.setdefault(key, scan.file) != scan.file:
-            raise RecordingError(
-                f"{scan.file} and {files[key]} in {recording.folder} are one scan under two names, which "
-                f"would count twice: delete one line of {MANIFEST}"
-            )
-    label_missing(
-        partial(_labelled, recording.folder, recording.header.layout, database),
-        list(zip(keys, recording.scans, strict=True)),
-        lambda piece: [piece[0]],
-        log,
-        workers,
-        progress,
+    perception = Perception(recording.header.layout, classifier, config)
+    keys = _perceive(
+        recording, perception, partial(_labels, recording.folder, perception), log, workers, progress
     )
     known = log.labels()
     return [
@@ -74,20 +66,78 @@ def label_recording(
     ]
 
 
+def match_recording(
+    recording: Recording,
+    classifier: Classifier,
+    config: PerceptionConfig | None = None,
+    *,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    log: MatchLog | None = None,
+) -> list[MatchedScan]:
+    """Classify the scans of a recording, and keep all that the classifier returns.
+
+    Parameters and raises as `label_recording`.
+    """
+    log = log or MatchLog()
+    perception = Perception(recording.header.layout, classifier, config)
+    keys = _perceive(
+        recording, perception, partial(_matches, recording.folder, perception), log, workers, progress
+    )
+    known = log.matches()
+    return [
+        MatchedScan(scan.viewpoint, scan.true, scan.objects, known[key])
+        for key, scan in zip(keys, recording.scans, strict=True)
+    ]
+
+
+def _perceive(
+    recording: Recording,
+    perception: Perception,
+    task: Callable[[Piece], dict[str, Any]],
+    log: KeyedLog,
+    workers: int | None,
+    progress: Progress | None,
+) -> list[str]:
+    """Write what `task` returns of every scan to the log; return the scans' keys."""
+    classes = tuple(perception.classifier.classes)
+    if classes != recording.header.classes:
+        raise DatabaseError(
+            f"the classifier's classes are {list(classes)}, expected the recording's "
+            f"{list(recording.header.classes)}, in order: train one for these classes"
+        )
+    keys = [_key(recording.folder, scan) for scan in recording.scans]
+    files: dict[str, str] = {}
+    for key, scan in zip(keys, recording.scans, strict=True):
+        if files.setdefault(key, scan.file) != scan.file:
+            raise RecordingError(
+                f"{scan.file} and {files[key]} in {recording.folder} are one scan under two names, which "
+                f"would count twice: delete one line of {MANIFEST}"
+            )
+    pieces = list(zip(keys, recording.scans, strict=True))
+    label_missing(task, pieces, lambda piece: [piece[0]], log, workers, progress)
+    return keys
+
+
 def _key(folder: Path, scan: RecordedScan) -> str:
     """Return a hash of everything that the labels of a scan depend on."""
     content = (folder / scan.file).read_bytes()
     return hashlib.sha256(content + scan.world_from_camera.tobytes()).hexdigest()
 
 
-def _labelled(
-    folder: Path, layout: BeltLayout, database: NearestNeighbour, piece: tuple[str, RecordedScan]
-) -> Labels:
+def _labels(folder: Path, perception: Perception, piece: Piece) -> Labels:
     """Return the labels of one scan."""
-    key, recorded = piece
+    return {piece[0]: tuple(position.label for position in _perceived(folder, perception, piece[1]))}
+
+
+def _matches(folder: Path, perception: Perception, piece: Piece) -> Matches:
+    """Return the matches of one scan."""
+    return {piece[0]: tuple(map(Seen.of, _perceived(folder, perception, piece[1])))}
+
+
+def _perceived(folder: Path, perception: Perception, recorded: RecordedScan) -> list[Perceived]:
     points = read_cloud(folder / recorded.file)
     try:
-        seen = Perception(layout, database)(Scan(points, recorded.world_from_camera, stamp=0.0))
+        return perception(Scan(points, recorded.world_from_camera, stamp=0.0))
     except CloudError as reason:
         raise CloudError(f"{folder / recorded.file}: {reason}") from reason
-    return {key: tuple(position.label for position in seen)}

@@ -1,7 +1,7 @@
 """Labels of scans, written to disk as soon as they are known, so that interrupted work resumes."""
 
-from collections.abc import Callable, Sequence
-from typing import TypeAlias, TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias, TypeVar
 
 from beltsort.errors import RecordingError
 from beltsort.util.keyed_log import KeyedLog
@@ -39,29 +39,29 @@ class LabelLog(KeyedLog):
 
 
 def label_missing(
-    task: Callable[[Work], Labels],
+    task: Callable[[Work], Mapping[str, Any]],
     work: Sequence[Work],
     keys: Callable[[Work], Sequence[str]],
-    log: LabelLog,
+    log: KeyedLog,
     workers: int | None,
     progress: Progress | None,
 ) -> None:
-    """Label what the log does not hold yet, and append it piece by piece.
+    """Label, or match, what the log does not hold yet, and append it piece by piece.
 
     Parameters
     ----------
     task
-        Labels all scans of a piece of work.
+        Labels all scans of a piece of work, as the log keeps them.
     work
         The pieces.
     keys
         Returns the keys of the scans of a piece.
     log
-        Where the labels go.
+        Where the results go.
     workers, progress
         As in `in_processes`.
     """
-    known = log.labels().keys()
+    known = log.values().keys()
     waiting = [piece for piece in work if not known >= set(keys(piece))]
-    for labels in in_processes(task, waiting, workers, progress):
-        log.append(labels)
+    for results in in_processes(task, waiting, workers, progress):
+        log.append(results)

@@ -8,7 +8,7 @@ import pytest
 import beltsort
 from beltsort.errors import DatabaseError
 from beltsort.perception import Finding, LabelRule, Match
-from beltsort.tables import MatchedScan, choose_rule
+from beltsort.tables import MatchedScan, Seen, choose_rule
 
 CLASSES = ("nut", "bolt", "pin")
 ONE, TWO = LabelRule(CLASSES), LabelRule(CLASSES, (0.5,))
@@ -31,7 +31,7 @@ def scans(objects: int, looks: int = 1, *, telling: bool = True, seed: int = 0) 
             label = true if right else int((true + rng.integers(1, 3)) % 3)
             sure = right == (rng.random() < 0.9) if telling else rng.random() < 0.5
             seen = match(label, 0.9 if sure else 0.1)
-            found.append(MatchedScan(viewpoint, (true,), (f"object {number}",), (seen,), (Finding.OBJECT,)))
+            found.append(MatchedScan(viewpoint, (true,), (f"object {number}",), (Seen(seen),)))
     return found
 
 
@@ -45,7 +45,7 @@ def test_levels_that_tell_are_chosen_and_those_that_do_not_are_not() -> None:
 
 def test_losses_are_those_of_bayes_rule() -> None:
     """With one object of each class in each part, tables can be written down."""
-    sure = [MatchedScan(0, (n % 3,), (None,), (match(n % 3, 0.9),), (Finding.OBJECT,)) for n in range(3000)]
+    sure = [MatchedScan(0, (n % 3,), (None,), (Seen(match(n % 3, 0.9)),)) for n in range(3000)]
     (loss,) = choose_rule([ONE], sure, viewpoints=1).log_losses
     right, wrong = 801 / 803, 1 / 803  # about 800 of each class in four parts
     assert loss == pytest.approx(-np.log(right / (right + 2 * wrong)), rel=0.05)
@@ -53,16 +53,16 @@ def test_losses_are_those_of_bayes_rule() -> None:
 
 def test_names_of_classes_do_not_matter() -> None:
     order = [2, 0, 1]  # class c becomes number order[c]
-    moved = [
-        replace(
-            scan,
-            true=(order[scan.true[0] or 0],),
-            matches=(match(order[seen.label or 0], seen.margin or 0.0),),
-        )
-        for scan in scans(120)
-        if (seen := scan.matches[0]) is not None
-    ]
-    one, other = (choose_rule([ONE, TWO], each, viewpoints=1) for each in (scans(120), moved))
+
+    def moved(scan: MatchedScan) -> MatchedScan:
+        seen, true = scan.seen[0].match, scan.true[0]
+        assert seen is not None
+        again = match(order[seen.label or 0], seen.margin or 0.0)
+        return replace(scan, true=(order[true or 0],), seen=(Seen(again),))
+
+    one, other = (
+        choose_rule([ONE, TWO], each, viewpoints=1) for each in (scans(120), [*map(moved, scans(120))])
+    )
     assert one.log_losses == pytest.approx(other.log_losses)
 
 
@@ -79,8 +79,7 @@ def test_a_repeated_look_counts_once() -> None:
 def test_nothing_seen_says_something_where_it_has_a_label() -> None:
     """The bolt is never seen, the others are."""
     found = [
-        replace(scan, matches=(None,), findings=(Finding.HIDDEN,)) if scan.true == (1,) else scan
-        for scan in scans(90)
+        replace(scan, seen=(Seen(None, Finding.HIDDEN),)) if scan.true == (1,) else scan for scan in scans(90)
     ]
     rules = [ONE, LabelRule(CLASSES, nothing_seen=True)]
     choice = choose_rule(rules, found, viewpoints=1)
@@ -89,7 +88,7 @@ def test_nothing_seen_says_something_where_it_has_a_label() -> None:
 
 
 def test_scans_are_labelled_by_the_rule() -> None:
-    scan = MatchedScan(2, (0, None), ("a", None), (match(1, 0.9), None), (Finding.OBJECT, Finding.EMPTY))
+    scan = MatchedScan(2, (0, None), ("a", None), (Seen(match(1, 0.9)), Seen(None, Finding.EMPTY)))
     labelled = scan.labelled(LabelRule(CLASSES, (0.5,), nothing_seen=True))
     assert (labelled.viewpoint, labelled.true, labelled.objects) == (2, (0, None), ("a", None))
     assert labelled.observed == (3, 6)
@@ -103,6 +102,6 @@ def test_what_cannot_be_chosen_from_is_refused() -> None:
         choose_rule([ONE, LabelRule(("nut", "bolt"))], scans(9), viewpoints=1)
     with pytest.raises(beltsort.ArgumentError, match=r"\b0 objects\b.*\b2\b"):
         choose_rule([ONE], [], viewpoints=1)
-    bare = [replace(scan, matches=(Match(0, np.ones(3)),)) for scan in scans(9)]
+    bare = [replace(scan, seen=(Seen(Match(0, np.ones(3))),)) for scan in scans(9)]
     with pytest.raises(DatabaseError, match=r"\bdistances\b"):
         choose_rule([TWO], bare, viewpoints=1)

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from beltsort.errors import CloudError, DatabaseError, RecordingError
-from beltsort.perception import NearestNeighbour
+from beltsort.perception import LabelRule, NearestNeighbour, fit_label_rule, leave_one_out
 from beltsort.sim import CellConfig
-from beltsort.sim.collect import collect_scans
+from beltsort.sim.collect import collect_matches, collect_scans
 from beltsort.sim.record import record_simulated
-from beltsort.tables.label import label_recording
+from beltsort.tables.label import label_recording, match_recording
 from beltsort.tables.log import LabelLog
+from beltsort.tables.matches import MatchLog
 from beltsort.tables.recording import MANIFEST, Recording, read_recording
 
 
@@ -40,6 +41,25 @@ def test_recorded_scans_get_the_labels_of_live_ones(
     live = collect_scans(database, config, objects=2, seed=5, workers=1)
     assert len(live) == 2 * 4 * 2
     assert label_recording(recorded, database, workers=1) == live
+
+
+@pytest.mark.slow
+def test_a_rule_labels_matches_like_scans(
+    recorded: Recording, config: CellConfig, database: NearestNeighbour, tmp_path: Path
+) -> None:
+    """Also those of a log that is read again, and of one level as without a rule."""
+    live = collect_matches(database, config, objects=2, seed=5, workers=1)
+    MatchLog(tmp_path / "matches").append({str(n): scan.seen for n, scan in enumerate(live)})
+    read = [replace(live[int(n)], seen=seen) for n, seen in MatchLog(tmp_path / "matches").matches().items()]
+    levels = fit_label_rule(config.classes, leave_one_out(database), database.labels.tolist())
+    for rule in (LabelRule(config.classes), replace(levels, nothing_seen=True, not_recognised=True)):
+        labelled = [scan.labelled(rule) for scan in live]
+        again = match_recording(recorded, database, workers=1)
+        assert labelled == [scan.labelled(rule) for scan in again] == [scan.labelled(rule) for scan in read]
+    assert [scan.labelled(LabelRule(config.classes)) for scan in live] == label_recording(
+        recorded, database, workers=1
+    )
+    assert len({label for scan in live for label in scan.labelled(levels).observed}) > 4
 
 
 def test_an_interrupted_recording_goes_on(recorded: Recording, config: CellConfig, tmp_path: Path) -> None:
