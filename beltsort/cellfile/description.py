@@ -66,7 +66,7 @@ class CellDescription(Section):
     model: str | None = None
     """Model file (JSON), tables included."""
     classifier: str | None = None
-    """File of the trained classifier (.npz)."""
+    """File of the trained classifier (.npz), `module:object`, or the name of an installed one."""
     prepare: Prepare | None = None
     """Instead of model and classifier, for a simulated cell: numbers of objects for training and tables."""
     viewpoints: Annotated[tuple[Viewpoint, ...], Field(min_length=1)]

@@ -14,7 +14,7 @@ from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.simulated import trainable_config
 from beltsort.errors import CellError
-from beltsort.perception import NearestNeighbour, Perception, PerceptionConfig
+from beltsort.perception import Classifier, Perception, PerceptionConfig, load_classifier
 from beltsort.sim.prepare import Recipe, StageProgress, prepare
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listener
@@ -54,7 +54,7 @@ class CellRun:
     description: CellDescription
     cell: ComposedCell
     model: SortingModel
-    classifier: NearestNeighbour
+    classifier: Classifier
     folder: Path
     broken_off: Progress | None = None
     first: int | None = None
@@ -281,7 +281,7 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
 
 def _model_and_classifier(
     description: CellDescription, progress: StageProgress | None
-) -> tuple[SortingModel, NearestNeighbour]:
+) -> tuple[SortingModel, Classifier]:
     """Load the files of the cell file, or prepare a simulated cell."""
     if description.prepare is not None:
         perception = description.perception or PerceptionConfig()
@@ -290,8 +290,8 @@ def _model_and_classifier(
         model = prepared.counts.model(description.classes, description.viewpoint_names)
         return model, prepared.database
     model = SortingModel.load(description.path(description.model or ""))
-    classifier = NearestNeighbour.load(description.path(description.classifier or ""))
-    if classifier.classes != description.classes:
+    classifier = load_classifier(description.classifier or "", description.path(""))
+    if tuple(classifier.classes) != description.classes:
         raise CellFileError.of(
             "classifier",
             f"knows the classes {list(classifier.classes)}, expected {list(description.classes)}, in this "

@@ -14,7 +14,7 @@ from beltsort.cli.progress import tenths
 from beltsort.sim.config import TABLE_OBJECTS
 
 if TYPE_CHECKING:
-    from beltsort.perception import NearestNeighbour
+    from beltsort.perception import Classifier
     from beltsort.tables.estimate import Estimate
     from beltsort.tables.log import LabelLog
     from beltsort.tables.recording import Recording
@@ -41,9 +41,9 @@ def add_parser(subparsers: Subparsers) -> None:
     )
     parser.add_argument(
         "--classifier",
-        type=Path,
         metavar="DB",
-        help=f"a trained classifier (default for `{SIMULATED}`: one is trained and saved beside the model)",
+        help="a trained classifier, or MODULE:OBJECT, one of your own; if its results change, name another "
+        f"output (default for `{SIMULATED}`: one is trained and saved beside the model)",
     )
     parser.add_argument(
         "--record", type=Path, metavar="FOLDER", help=f"record the scans of `{SIMULATED}` here, 7 MB each"
@@ -151,27 +151,26 @@ def check_recorded(arguments: Namespace) -> None:
         )
 
 
-def classifier(arguments: Namespace) -> "NearestNeighbour":
+def classifier(arguments: Namespace) -> "Classifier":
     """Return the given classifier, or one for the simulated cell that is trained once and saved."""
-    from beltsort.perception import NearestNeighbour
+    from beltsort.perception import load_classifier
     from beltsort.sim.collect import collect_training
 
-    path = classifier_path(arguments)
-    if arguments.classifier is None and not path.exists():
+    name = classifier_name(arguments)
+    if arguments.classifier is None and not Path(name).exists():
         database = collect_training(workers=arguments.workers, progress=tenths("training"))
-        database.save(path)
-        print_status(f"classifier: {path}")
-    return NearestNeighbour.load(path)
+        database.save(name)
+        print_status(f"classifier: {name}")
+    return load_classifier(name)
 
 
-def classifier_path(arguments: Namespace) -> Path:
-    """Return the path of the classifier, which need not exist yet."""
-    path: Path = arguments.classifier or arguments.output.with_suffix(".classifier.npz")
-    return path
+def classifier_name(arguments: Namespace) -> str:
+    """Return the name of the classifier, of which a file need not exist yet."""
+    return arguments.classifier or str(arguments.output.with_suffix(".classifier.npz"))
 
 
 def from_simulation(
-    database: "NearestNeighbour", arguments: Namespace, objects: int, seed: int
+    database: "Classifier", arguments: Namespace, objects: int, seed: int
 ) -> "tuple[list[str], list[str], list[LabelledScan]]":
     """Label scans of the simulated cell."""
     from beltsort.sim import CellConfig
@@ -193,7 +192,7 @@ def from_simulation(
 
 
 def from_recording(
-    recording: "Recording", database: "NearestNeighbour", arguments: Namespace
+    recording: "Recording", database: "Classifier", arguments: Namespace
 ) -> "tuple[list[str], list[str], list[LabelledScan]]":
     """Label recorded scans."""
     from beltsort.tables.label import label_recording
@@ -211,8 +210,9 @@ def log_beside(arguments: Namespace, settings: dict[str, str]) -> "LabelLog":
     """Open the log of labels beside the model, and print the number of labels in it."""
     from beltsort.tables.log import LabelLog
 
-    path = arguments.output.with_suffix(".labels")
-    log = LabelLog(path, {**settings, "classifier": digest(classifier_path(arguments).read_bytes())})
+    path, name = arguments.output.with_suffix(".labels"), classifier_name(arguments)
+    known_by = Path(name).read_bytes() if Path(name).exists() else name.encode()
+    log = LabelLog(path, {**settings, "classifier": digest(known_by)})
     if known := len(log.labels()):
         print_status(f"{known} scans are already labelled in {path}")
     return log

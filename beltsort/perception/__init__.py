@@ -10,8 +10,10 @@ from beltsort.perception.finding import Finding
 from beltsort.perception.label_edges import fit_label_rule
 from beltsort.perception.label_rule import LabelRule
 from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold
+from beltsort.perception.named_classifier import load_classifier
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.pipeline import Perceived, Perception
+from beltsort.perception.probabilities import FromProbabilities, ProbabilityClassifier
 from beltsort.perception.segment import Segmented, segment
 from beltsort.perception.training import Trained, train_from_clouds
 from beltsort.perception.vfh import vfh, vfh_batch
@@ -20,12 +22,14 @@ __all__ = [
     "Classifier",
     "Confusion",
     "Finding",
+    "FromProbabilities",
     "LabelRule",
     "Match",
     "NearestNeighbour",
     "Perceived",
     "Perception",
     "PerceptionConfig",
+    "ProbabilityClassifier",
     "Segmented",
     "Trained",
     "UnitWarning",
@@ -33,6 +37,7 @@ __all__ = [
     "describe",
     "fit_label_rule",
     "leave_one_out",
+    "load_classifier",
     "oriented_normals",
     "read_cloud",
     "rejection_threshold",

@@ -8,7 +8,9 @@ from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.finding import Finding
 from beltsort.perception.label_rule import LabelRule
+from beltsort.perception.named_classifier import as_classifier
 from beltsort.perception.nearest import NearestNeighbour
+from beltsort.perception.probabilities import ProbabilityClassifier
 from beltsort.perception.segment import DepthScan, segment
 
 
@@ -61,7 +63,7 @@ class Perception:
     layout
         Where the objects stand.
     classifier
-        A trained database, or any other `Classifier`.
+        A trained database, any other `Classifier`, or a `ProbabilityClassifier`.
     config
         Must equal the one that a database was trained with, which is the default; `PerceptionConfig()` with
         another classifier.
@@ -71,16 +73,18 @@ class Perception:
     Raises
     ------
     DatabaseError
-        If `config` is another one than the database's, or the rule is for other classes.
+        If `config` is another one than the database's, the rule is for other classes, or `classifier` is no
+        classifier.
     """
 
     def __init__(
         self,
         layout: BeltLayout,
-        classifier: Classifier,
+        classifier: Classifier | ProbabilityClassifier,
         config: PerceptionConfig | None = None,
         rule: LabelRule | None = None,
     ) -> None:
+        classifier = as_classifier(classifier)
         trained = classifier.config if isinstance(classifier, NearestNeighbour) else config
         trained = trained or PerceptionConfig()
         config = config or trained

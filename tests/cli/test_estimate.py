@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import beltsort
+from beltsort.cli import main
 from beltsort.perception import NearestNeighbour
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_counts, collect_training
@@ -67,6 +68,32 @@ def test_from_a_folder(folder: str, classifier: str, config: CellConfig, tmp_pat
     assert "more objects in each row would bring every one to 0.2" not in again.stdout
 
 
+OWN = """
+class First:
+    classes = ("elongated", "livarno", "mushroom", "standard")
+
+    def probabilities(self, points, camera):
+        return [0.7, 0.1, 0.1, 0.1]
+"""
+
+
+def test_with_a_classifier_of_ones_own(
+    folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "toy_of_estimate.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    given = ["estimate", folder, "--classifier", "toy_of_estimate:First", "-o", "model.json", "--json"]
+    assert main([*given, "--workers", "2"]) == 0
+    counts = np.array(json.loads(capsys.readouterr().out)["counts"])
+    assert counts[..., 0].sum() > 0
+    assert counts[..., 1:].sum() == 0
+    again = [*given[:3], "toy_of_estimate:Second", *given[4:]]
+    assert main(again) == 2
+    assert re.search(r"'toy_of_estimate:Second'.*'Second'", capsys.readouterr().err)
+    sys.modules.pop("toy_of_estimate")
+
+
 def test_killed_and_begun_again(classifier: str, tmp_path: Path) -> None:
     path = tmp_path / "model.json"
     given = [
@@ -107,8 +134,6 @@ def scans_in(log: Path) -> int:
 def test_the_simulated_cell_trains_its_own_classifier_once(
     classifier: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from beltsort.cli import main
-
     trained = []
 
     def train(**_settings: object) -> NearestNeighbour:
