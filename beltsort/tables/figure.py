@@ -17,7 +17,12 @@ INCHES = 0.95  # of one entry
 
 
 def draw_tables(
-    counts: Counts, smoothing: float, classes: Sequence[str], viewpoints: Sequence[str], path: Path
+    counts: Counts,
+    smoothing: float,
+    classes: Sequence[str],
+    viewpoints: Sequence[str],
+    path: Path,
+    labels: Sequence[str] | None = None,
 ) -> None:
     """Draw a panel for each position and viewpoint: a row per true class, each entry with its 95 % interval.
 
@@ -29,21 +34,23 @@ def draw_tables(
         Names.
     path
         The picture; its ending (png, svg, pdf) is its format.
+    labels
+        Names of the Z labels; default: the classes.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     mean = counts.probabilities(smoothing)
     lower, upper = credible_intervals(counts, smoothing)
-    positions, columns, size, _ = mean.shape
-    inches = (INCHES * size + 0.9, INCHES * size + 0.9)
+    positions, columns, rows, entries = mean.shape
+    inches = (INCHES * entries + 0.9, INCHES * rows + 0.9)
     figure = Figure(figsize=(columns * inches[0] + 1.0, positions * inches[1]), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(positions, columns, squeeze=False)
     for j in range(positions):
         for k in range(columns):
             image = _draw_panel(panels[j, k], mean[j, k], lower[j, k], upper[j, k])
-            _name_axes(panels[j, k], classes, f"position {j + 1}, {viewpoints[k]}")
+            _name_axes(panels[j, k], classes, labels or classes, f"position {j + 1}, {viewpoints[k]}")
     figure.colorbar(image, ax=panels, label="p(observed | true)", shrink=0.8)
     figure.savefig(path, dpi=120)
 
@@ -59,8 +66,7 @@ def _draw_panel(panel: "Axes", mean: Array, lower: Array, upper: Array) -> "Axes
     return image
 
 
-def _name_axes(panel: "Axes", classes: Sequence[str], title: str) -> None:
-    ticks = range(len(classes))
-    panel.set_xticks(ticks, classes, rotation=30, ha="right")
-    panel.set_yticks(ticks, classes)
+def _name_axes(panel: "Axes", classes: Sequence[str], labels: Sequence[str], title: str) -> None:
+    panel.set_xticks(range(len(labels)), labels, rotation=30, ha="right")
+    panel.set_yticks(range(len(classes)), classes)
     panel.set(title=title, xlabel="observed", ylabel="true")

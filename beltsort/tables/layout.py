@@ -18,41 +18,55 @@ from beltsort.tables.intervals import credible_intervals
 Array = NDArray[np.float64]
 
 
-def table_one(p_obs: Array, classes: Sequence[str], viewpoints: Sequence[str], true: int) -> str:
+def table_one(
+    p_obs: Array,
+    classes: Sequence[str],
+    viewpoints: Sequence[str],
+    true: int,
+    labels: Sequence[str] | None = None,
+) -> str:
     """Return the paper's Table I for one true class at the belt end: a row for each viewpoint.
 
     Parameters
     ----------
     p_obs
-        Observation table, shape (H, K, L, L).
+        Observation table, shape (H, K, L, Z).
     classes, viewpoints
         Names.
     true
         Index of the true class.
+    labels
+        Names of the Z labels; default: the classes.
     """
     title = f"p(observed | true = {classes[true]}), position 1"
     rows = [
         [name, *(f"{p:.3f}" for p in row)] for name, row in zip(viewpoints, p_obs[0, :, true], strict=True)
     ]
-    return _text(title, ["", *classes], rows)
+    return _text(title, ["", *(labels or classes)], rows)
 
 
 def table_two(
-    p_obs: Array, classes: Sequence[str], viewpoints: Sequence[str], trues: Sequence[int] | None = None
+    p_obs: Array,
+    classes: Sequence[str],
+    viewpoints: Sequence[str],
+    trues: Sequence[int] | None = None,
+    labels: Sequence[str] | None = None,
 ) -> str:
     """Return the paper's Table II: all positions, the given true classes (default: all), all viewpoints.
 
     Parameters
     ----------
     p_obs
-        Observation table, shape (H, K, L, L).
+        Observation table, shape (H, K, L, Z).
     classes, viewpoints
         Names.
     trues
         Indices of the true classes.
+    labels
+        Names of the Z labels; default: the classes.
     """
     positions = range(len(p_obs))
-    header = ["true", "view", *(f"{name} @{j + 1}" for j in positions for name in classes)]
+    header = ["true", "view", *(f"{name} @{j + 1}" for j in positions for name in labels or classes)]
     rows = [
         [classes[true], name, *(cell for j in positions for cell in map("{:.3f}".format, p_obs[j, k, true]))]
         for true in (range(len(classes)) if trues is None else trues)
@@ -79,7 +93,11 @@ def agreement_text(counts: Counts, viewpoints: Sequence[str]) -> str:
 
 
 def intervals_text(
-    counts: Counts, smoothing: float, classes: Sequence[str], viewpoints: Sequence[str]
+    counts: Counts,
+    smoothing: float,
+    classes: Sequence[str],
+    viewpoints: Sequence[str],
+    labels: Sequence[str] | None = None,
 ) -> str:
     """Return the 95 % credible interval of every entry, by position, true class and viewpoint."""
     lower, upper = credible_intervals(counts, smoothing)
@@ -92,7 +110,7 @@ def intervals_text(
         for true in range(len(classes))
         for k, name in enumerate(viewpoints)
     ]  # fmt: skip
-    return _text("95 % credible intervals", ["position", "true", "view", *classes], rows)
+    return _text("95 % credible intervals", ["position", "true", "view", *(labels or classes)], rows)
 
 
 def independence_text(tests: Sequence[IndependenceTest], viewpoints: Sequence[str]) -> str:

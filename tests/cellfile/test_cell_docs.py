@@ -3,7 +3,9 @@
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from beltsort.cellfile import sections
@@ -11,6 +13,7 @@ from beltsort.cellfile.composed import compose
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.registry import BUILT_IN
 from beltsort.cellfile.validation import Section, validated
+from beltsort.perception.named_classifier import as_classifier
 from beltsort.testing.fault_kinds import Fault
 
 
@@ -19,6 +22,7 @@ def is_section(kind: object) -> bool:
 
 
 TEXT = (Path(__file__).parents[2] / "docs" / "cell.md").read_text()
+PYTHON = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 TOML = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
 SECTIONS: list[type[Section]] = [
     CellDescription,
@@ -32,6 +36,15 @@ def test_the_example_of_a_real_cell_can_be_read_and_composed(tmp_path: Path) -> 
     description = CellDescription.load(path)
     assert description.bin_numbers == (3, 4, 9)
     assert compose(description, live=False, say=print).reject_bin == 2
+
+
+def test_the_example_of_a_classifier_classifies() -> None:
+    (code,) = (block for block in PYTHON if "probabilities" in block)
+    defined: dict[str, Any] = {}
+    exec(code, defined)
+    classifier = as_classifier(defined["CLASSIFIER"])
+    assert list(classifier.classes) == tomllib.loads(TOML[0])["classes"]
+    assert classifier.classify(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]), np.ones(3)).label == 1
 
 
 def test_the_example_of_faults_can_be_read() -> None:

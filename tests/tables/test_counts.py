@@ -1,6 +1,7 @@
 """Counts of labels that are more than the classes."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import beltsort
-from beltsort.tables import Counts, Look, count
+from beltsort.perception import LabelRule
+from beltsort.tables import Counts, Look, count, table_one, table_two
+from beltsort.tables.figure import draw_tables
+from beltsort.tables.layout import intervals_text
 
 LOOKS = st.lists(
     st.builds(
@@ -58,6 +62,22 @@ def test_a_label_of_no_class_is_neither_right_nor_wrong() -> None:
     counts = count(looks, 1, 1, 2, (0, 1, None))
     assert counts.accuracy().item() == (0.75 + 1.0) / 2
     np.testing.assert_allclose(counts.probabilities(1.0)[0, 0, 0], [4 / 9, 2 / 9, 3 / 9])
+
+
+def test_tables_of_levels_as_text_and_picture(tmp_path: Path) -> None:
+    rule = LabelRule(("nut", "bolt"), (0.5,), not_recognised=True)
+    looks = [Look(0, 0, true, label) for true in range(2) for label in range(5)]
+    counts = count(looks, 1, 1, 2, rule.label_classes)
+    names = ("nut", "bolt"), ("above",)
+    one = table_one(counts.probabilities(1.0), *names, 1, rule.labels).splitlines()
+    assert all(name in one[1] for name in rule.labels)
+    assert one[2].split() == ["above", *["0.200"] * 5]
+    two = table_two(counts.probabilities(1.0), *names, labels=rule.labels).splitlines()
+    assert two[2].split() == ["nut", "above", *["0.200"] * 5]
+    intervals = intervals_text(counts, 1.0, *names, rule.labels).splitlines()
+    assert all(name in intervals[1] for name in rule.labels)
+    draw_tables(counts, 1.0, *names, tmp_path / "tables.png", rule.labels)
+    assert (tmp_path / "tables.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("wrong", [-1, 2])
