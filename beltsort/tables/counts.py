@@ -144,7 +144,7 @@ class Counts:
             1 - 1 / (n + 2) after n pairs (Laplace's rule of succession), since at 1 a pair that differs would
             be impossible.
         **settings
-            Further arguments of `beltsort.SortingModel`: rewards, discount, travel.
+            Further arguments of `beltsort.SortingModel`: rewards, discount, travel, names of labels.
         """
         if repeats:
             most = 1.0 - 1.0 / (self.pairs + 2)

@@ -80,6 +80,23 @@ def test_tables_of_levels_as_text_and_picture(tmp_path: Path) -> None:
     assert (tmp_path / "tables.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_model_with_levels_believes_a_sure_label_more() -> None:
+    rule = LabelRule(("nut", "bolt"), (0.5,))
+    nut_unsure, nut_sure, bolt_unsure, bolt_sure = range(4)
+    nuts = [nut_sure, nut_sure, nut_unsure, bolt_unsure]
+    bolts = [bolt_sure, bolt_sure, bolt_unsure, bolt_unsure]
+    looks = [Look(0, 0, true, label) for true, labels in enumerate((nuts, bolts)) for label in labels]
+    counts = count(looks, 1, 1, 2, rule.label_classes)
+    model = counts.model(rule.classes, ("above",), labels=rule.labels)
+    assert model.labels == list(rule.labels)
+    beliefs = []
+    for label in (nut_unsure, nut_sure):
+        belief = beltsort.Belief(model)
+        belief.observe(0, [label])
+        beliefs.append(belief.probabilities[0, 0])
+    assert 0.5 < beliefs[0] < beliefs[1]
+
+
 @pytest.mark.parametrize("wrong", [-1, 2])
 def test_labels_of_unknown_classes_are_refused(wrong: int) -> None:
     with pytest.raises(beltsort.ArgumentError, match=rf"label_classes\b.*{wrong}.*\b0\b.*\b1\b.*None"):
