@@ -5,7 +5,6 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import xlogy
 
 import beltsort
 from beltsort.perception.classifier import Match
@@ -177,4 +176,9 @@ def _extended(
 
 def _information(counts: Array) -> float:
     """Return what a level with counts (L, L) adds to n times the mutual information, up to a constant."""
-    return float(xlogy(counts, counts).sum() - xlogy(counts.sum(axis=1), counts.sum(axis=1)).sum())
+    return _sum_n_log_n(counts) - _sum_n_log_n(counts.sum(axis=1))
+
+
+def _sum_n_log_n(counts: Array) -> float:
+    """Return the sum of n log n over counts n, 0 for n = 0; without SciPy, which planning does not need."""
+    return float((counts * np.log(np.maximum(counts, 1.0))).sum())

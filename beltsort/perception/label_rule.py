@@ -4,7 +4,6 @@ A label of two levels says more than a class: "livarno, sure" is stronger eviden
 observation tables with a column for each tell how much stronger.
 """
 
-import json
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -71,7 +70,7 @@ class LabelRule:
     >>> match = Match(1, np.array([0.0, 1.0]), distances=np.array([3.0, 1.0]))
     >>> match.margin, rule.labels[rule.label(match)]
     (0.5, 'standard, sure')
-    >>> LabelRule.from_json(rule.to_json()) == rule
+    >>> LabelRule.from_dict(rule.to_dict()) == rule
     True
     """
 
@@ -151,25 +150,21 @@ class LabelRule:
         level = bisect_right(self.edges, score_of(match, self.score)) if self.edges else 0
         return match.label * self.levels + level
 
-    def to_json(self) -> str:
-        """Return the rule as JSON text."""
-        return json.dumps(asdict(self))
+    def to_dict(self) -> dict[str, object]:
+        """Return the rule as plain data for JSON; a model keeps it as its `label_rule`."""
+        return {**asdict(self), "classes": list(self.classes), "edges": list(self.edges)}
 
     @classmethod
-    def from_json(cls, text: str) -> "LabelRule":
-        """Read what `to_json` wrote.
+    def from_dict(cls, given: object) -> "LabelRule":
+        """Return the rule of which `to_dict` returned `given`.
 
         Raises
         ------
         ArgumentError
-            If `text` is not JSON, a key is unknown or missing, or a value is not valid, with all problems.
+            If a key is unknown or missing, or a value is not valid, with all problems.
         """
-        from beltsort.util.validation import validated  # pydantic, which labelling does without
+        from beltsort.util.validation import validated  # needs pydantic, which planning does not
 
-        try:
-            given = json.loads(text)
-        except (ValueError, RecursionError) as reason:
-            raise _no_rule([Problem("", str(reason))]) from reason
         return validated(cls, given, _no_rule)
 
 

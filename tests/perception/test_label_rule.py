@@ -2,7 +2,7 @@
 
 import json
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -100,7 +100,8 @@ def test_one_level_is_the_class_as_before(match: Match, finding: Finding) -> Non
 
 @given(RULES)
 def test_json_keeps_a_rule_exactly(rule: LabelRule) -> None:
-    assert LabelRule.from_json(rule.to_json()) == rule
+    assert LabelRule.from_dict(rule.to_dict()) == rule
+    assert LabelRule.from_dict(json.loads(json.dumps(rule.to_dict()))) == rule
 
 
 JSON = st.recursive(
@@ -113,21 +114,19 @@ JSON = st.recursive(
 @given(st.sampled_from(["classes", "edges", "score", "not_recognised", "nothing_seen", "level"]), JSON)
 def test_any_value_of_a_key_is_a_rule_or_an_error(key: str, value: object) -> None:
     with suppress(beltsort.ArgumentError):
-        rule = LabelRule.from_json(json.dumps({**asdict(LabelRule(("a", "b"), (0.5,))), key: value}))
-        assert LabelRule.from_json(rule.to_json()) == rule
+        rule = LabelRule.from_dict({**LabelRule(("a", "b"), (0.5,)).to_dict(), key: value})
+        assert LabelRule.from_dict(rule.to_dict()) == rule
 
 
-@given(st.text() | JSON.map(json.dumps))
-def test_any_text_is_a_rule_or_an_error(text: str) -> None:
+@given(JSON)
+def test_any_json_is_a_rule_or_an_error(value: object) -> None:
     with suppress(beltsort.ArgumentError):
-        LabelRule.from_json(text)
+        LabelRule.from_dict(value)
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", r"\brule\b"),
-        ("[" * 100_000, r"\brule\b"),
         ("[]", r"\[\].*\bclasses\b"),
         ('{"edges": []}', r"\bclasses\b.*\bmissing\b"),
         ('{"classes": ["a"], "edgse": []}', r"\bedgse\b.*'edges'"),
@@ -135,9 +134,9 @@ def test_any_text_is_a_rule_or_an_error(text: str) -> None:
         ('{"classes": ["a"], "edges": [1e999]}', r"\bedges\b.*\binf\b"),
     ],
 )
-def test_text_that_is_no_rule_is_refused(text: str, said: str) -> None:
+def test_json_that_is_no_rule_is_refused(text: str, said: str) -> None:
     with pytest.raises(beltsort.ArgumentError, match=said):
-        LabelRule.from_json(text)
+        LabelRule.from_dict(json.loads(text))
 
 
 @pytest.mark.parametrize(
@@ -190,11 +189,10 @@ def test_a_score_equal_to_an_edge_is_of_the_level_above() -> None:
     assert rule.labels[rule.label(Match(0, np.zeros(3), np.array([1.0, 3.0, 4.0]))) or 0] == "a, sure"
 
 
-def test_a_classifier_that_does_not_return_the_score_is_refused() -> None:
-    bare = Match(1, np.zeros(3))
-    for score, said in (("margin", r"\bdistances\b.*'margin'"), ("probability", r"\bprobabilities\b")):
-        with pytest.raises(DatabaseError, match=said):
-            LabelRule.from_json(json.dumps({"classes": CLASSES, "edges": [0.5], "score": score})).label(bare)
+@pytest.mark.parametrize(("score", "missing"), [("margin", "distances"), ("probability", "probabilities")])
+def test_a_classifier_that_does_not_return_the_score_is_refused(score: Any, missing: str) -> None:
+    with pytest.raises(DatabaseError, match=rf"\b{missing}\b.*'{score}'"):
+        LabelRule(tuple(CLASSES), (0.5,), score).label(Match(1, np.zeros(3)))
 
 
 def test_a_classifier_of_other_classes_is_refused() -> None:
