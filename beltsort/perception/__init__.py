@@ -8,7 +8,7 @@ from beltsort.perception.confusion import Confusion, confusion
 from beltsort.perception.descriptor import describe, oriented_normals
 from beltsort.perception.finding import Finding
 from beltsort.perception.label_edges import fit_label_rule
-from beltsort.perception.label_rule import LabelRule
+from beltsort.perception.label_rule import LabelRule, rule_of
 from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold
 from beltsort.perception.named_classifier import load_classifier
 from beltsort.perception.nearest import NearestNeighbour
@@ -41,6 +41,7 @@ __all__ = [
     "oriented_normals",
     "read_cloud",
     "rejection_threshold",
+    "rule_of",
     "segment",
     "train_from_clouds",
     "vfh",

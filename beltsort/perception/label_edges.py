@@ -121,18 +121,19 @@ def quantile_edges(scores: Array, levels: int) -> tuple[float, ...]:
 
 
 def _edge_at(ordered: Array, rank: int) -> float | None:
-    """Return an edge with `rank` scores below it, or more if some are equal; None if all would be below.
+    """Return an edge with `rank` scores below it, or as near as equal scores allow; None if all are equal.
 
     The edge lies halfway between two scores, so that neither is at the edge by rounding.
     """
-    if rank <= 0:
+    tied = ordered[min(max(rank, 1), len(ordered)) - 1]
+    ends = [int(np.searchsorted(ordered, tied, side)) for side in ("left", "right")]
+    possible = [end for end in ends if 0 < end < len(ordered)]
+    if not possible:
         return None
-    above = int(np.searchsorted(ordered, ordered[rank - 1], side="right"))
-    if above == len(ordered):
-        return None
-    edge = 0.5 * float(ordered[above - 1]) + 0.5 * float(ordered[above])
+    end = min(possible, key=lambda end: abs(end - rank))
+    edge = 0.5 * float(ordered[end - 1]) + 0.5 * float(ordered[end])
     # Neighbouring floating-point numbers have nothing between them.
-    return edge if edge > ordered[above - 1] else float(ordered[above])
+    return edge if edge > ordered[end - 1] else float(ordered[end])
 
 
 def informative_edges(scores: Array, labels: Integers, true: Integers, levels: int) -> tuple[float, ...]:

@@ -168,6 +168,24 @@ class LabelRule:
         return validated(cls, given, _no_rule)
 
 
+def rule_of(model: beltsort.SortingModel) -> LabelRule:
+    """Return the rule that makes the labels of a model: its `label_rule`, or the classes if it has none.
+
+    Raises
+    ------
+    ArgumentError
+        If the rule is not valid, or makes other labels than the model's.
+    """
+    kept = model.label_rule
+    rule = LabelRule(tuple(model.classes)) if kept is None else LabelRule.from_dict(kept)
+    if list(rule.classes) != model.classes or list(rule.labels) != model.labels:
+        raise beltsort.ArgumentError(
+            f"the model's labels are {model.labels}, expected {list(rule.labels)}, those of its "
+            f"{'classes' if kept is None else 'label_rule'}: estimate tables and rule together"
+        )
+    return rule
+
+
 def score_of(match: Match, score: Score) -> float:
     """Return the confidence of a match; rejected ones have one too.
 

@@ -1,6 +1,6 @@
 """From labels of many scans to observation tables and a model, and whether the tables still hold."""
 
-from beltsort.tables.confidence import RuleChoice, choose_rule
+from beltsort.tables.confidence import RuleChoice, choose_rule, fit_levels
 from beltsort.tables.counts import Counts, Look, count
 from beltsort.tables.drift import Alarm, DriftWatch
 from beltsort.tables.estimate import Estimate, estimate
@@ -37,6 +37,7 @@ __all__ = [
     "choose_rule",
     "count",
     "estimate",
+    "fit_levels",
     "fit_modes",
     "label_recording",
     "looks_at_objects",

@@ -13,7 +13,11 @@ from numpy.typing import NDArray
 from scipy.special import log_softmax
 
 import beltsort
-from beltsort.perception.label_rule import LabelRule
+from beltsort.perception.classifier import Classifier
+from beltsort.perception.label_edges import fit_label_rule
+from beltsort.perception.label_rule import MOST_LEVELS, LabelRule, Score
+from beltsort.perception.leave_one_out import leave_one_out
+from beltsort.perception.nearest import NearestNeighbour
 from beltsort.tables.counts import Look, count
 from beltsort.tables.matches import MatchedScan
 from beltsort.tables.scans import LabelledScan
@@ -38,6 +42,45 @@ class RuleChoice:
 
     rule: LabelRule
     log_losses: tuple[float, ...]
+
+
+def fit_levels(
+    classifier: Classifier,
+    scans: Sequence[MatchedScan],
+    viewpoints: int,
+    *,
+    levels: int | None = None,
+    smoothing: float = 1.0,
+) -> RuleChoice:
+    """Fit a rule of labels with confidence: its edges, and the number of levels unless it is given.
+
+    The score is the margin, or the probability of the best class from a classifier without distances. Its
+    edges are quantiles: for a database, of the margins of its own entries by leaving one out, otherwise of
+    the scores in the scans.
+
+    Parameters
+    ----------
+    classifier, scans, viewpoints, smoothing
+        The classifier, and the rest as in `choose_rule`.
+    levels
+        Number of levels, from 1 to 4; None: chosen by `choose_rule`.
+
+    Raises
+    ------
+    ArgumentError, DatabaseError
+        As `fit_label_rule` and `choose_rule`.
+    """
+    if isinstance(classifier, NearestNeighbour):
+        matches, true = leave_one_out(classifier), classifier.labels.tolist()
+    else:
+        seen = [pair for scan in scans for pair in zip(scan.seen, scan.true, strict=True)]
+        known = [(match, c) for (match, _), c in seen if match is not None and c is not None]
+        matches, true = [match for match, _ in known], [c for _, c in known]
+    with_distances = all(match.distances is not None for match in matches)
+    score: Score = "margin" if with_distances else "probability"
+    numbers = range(1, MOST_LEVELS + 1) if levels is None else [levels]
+    rules = [fit_label_rule(classifier.classes, matches, true, n, score=score) for n in numbers]
+    return choose_rule(rules, scans, viewpoints, smoothing=smoothing)
 
 
 def choose_rule(

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import beltsort
+from beltsort.perception.label_rule import LabelRule
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.independence import REPEAT, IndependenceTest, independence
 from beltsort.tables.intervals import (
@@ -85,6 +86,7 @@ class Estimate:
         return {
             "classes": self.model.classes,
             "viewpoints": self.model.viewpoints,
+            "labels": self.model.labels,
             "scans": self.scans,
             "smoothing": self.smoothing,
             "counts": self.counts.counts.tolist(),
@@ -110,6 +112,7 @@ def estimate(
     repeats: bool = False,
     error: float = 0.03,
     note: str = "",
+    rule: LabelRule | None = None,
 ) -> Estimate:
     """Estimate a model from labelled scans.
 
@@ -125,6 +128,8 @@ def estimate(
         Target standard error of every entry; a 95 % interval extends about two standard errors to each side.
     note
         The model's note.
+    rule
+        The rule that the scans are labelled with, which the model keeps; default: the labels are the classes.
 
     Returns
     -------
@@ -147,9 +152,11 @@ def estimate(
     """
     if not scans:
         raise beltsort.ArgumentError("there are 0 labelled scans, expected at least one: scan some objects")
-    counts = count(looks(scans), len(scans[0].true), len(viewpoints), len(classes))
+    shape = len(scans[0].true), len(viewpoints), len(classes)
+    counts = count(looks(scans), *shape, None if rule is None else rule.label_classes)
+    labels = {} if rule is None else {"labels": rule.labels, "label_rule": rule.to_dict()}
     return Estimate(
-        counts.model(classes, viewpoints, smoothing=smoothing, repeats=repeats, note=note),
+        counts.model(classes, viewpoints, smoothing=smoothing, repeats=repeats, note=note, **labels),
         counts,
         len(scans),
         worst_row(counts, smoothing, error),

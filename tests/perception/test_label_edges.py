@@ -40,6 +40,11 @@ def test_different_scores_are_shared_equally(n: int, levels: int, random: Any) -
     assert sizes.max() - sizes.min() <= 1
 
 
+@given(SCORES.filter(lambda scores: len(set(scores.tolist())) > 1), st.integers(2, 4))
+def test_different_scores_make_levels(scores: NDArray[np.float64], levels: int) -> None:
+    assert quantile_edges(scores, levels)
+
+
 def test_neighbouring_numbers_are_kept_apart() -> None:
     scores = np.array([1.0, np.nextafter(1.0, 2.0)])
     assert levels_of(scores, quantile_edges(scores, 2)).tolist() == [0, 1]

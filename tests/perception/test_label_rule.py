@@ -13,7 +13,15 @@ from hypothesis import strategies as st
 import beltsort
 from beltsort.errors import DatabaseError
 from beltsort.geometry import BeltLayout
-from beltsort.perception import Finding, LabelRule, Match, NearestNeighbour, Perception, leave_one_out
+from beltsort.perception import (
+    Finding,
+    LabelRule,
+    Match,
+    NearestNeighbour,
+    Perception,
+    leave_one_out,
+    rule_of,
+)
 from beltsort.perception.label_rule import LEVEL_NAMES, score_of
 from tests.perception.belt_scene import Scene
 from tests.perception.databases import CLASSES, database
@@ -201,6 +209,34 @@ def test_a_classifier_of_other_classes_is_refused() -> None:
         rule.label(Match(1, np.zeros(3)))
     with pytest.raises(DatabaseError, match=r"\brule\b.*\['a', 'b'\].*\['a', 'b', 'c'\]"):
         Perception(BeltLayout(), database(), rule=rule)
+
+
+def test_a_model_keeps_its_rule() -> None:
+    rule = LabelRule(("a", "b"), (0.123456789012345, 0.3), nothing_seen=True)
+    p_obs = np.full((1, 1, 2, 7), 1.0 / 7.0)
+    model = beltsort.SortingModel(
+        rule.classes, ["above"], p_obs, labels=rule.labels, label_rule=rule.to_dict()
+    )
+    assert rule_of(model) == rule_of(beltsort.SortingModel.from_json(model.to_json())) == rule
+    plain = beltsort.SortingModel(["a", "b"], ["above"], [[[[0.5, 0.5], [0.1, 0.9]]]])
+    assert rule_of(plain) == LabelRule(("a", "b"))
+
+
+@pytest.mark.parametrize(
+    ("kept", "said"),
+    [
+        (None, r"\blabels\b.*\['a', 'b', 'c'\].*\['a', 'b'\].*\bclasses\b"),
+        ({"classes": ["a", "b"]}, r"\['a', 'b', 'c'\].*\['a', 'b'\].*\blabel_rule\b"),
+        ({"classes": ["a", "b", "c"]}, r"\['a', 'b', 'c'\].*\blabel_rule\b"),
+        ({"edges": [0.5]}, r"\bclasses\b.*\bmissing\b"),
+    ],
+)
+def test_labels_that_the_rule_does_not_make_are_refused(kept: dict[str, Any] | None, said: str) -> None:
+    p_obs = np.full((1, 1, 2, 3), 1.0 / 3.0)
+    labels = ["a", "b", "c"]
+    model = beltsort.SortingModel(["a", "b"], ["above"], p_obs, labels=labels, label_rule=kept)
+    with pytest.raises(beltsort.ArgumentError, match=said):
+        rule_of(model)
 
 
 def test_what_is_too_far_is_not_recognised() -> None:

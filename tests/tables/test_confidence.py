@@ -7,8 +7,10 @@ import pytest
 
 import beltsort
 from beltsort.errors import DatabaseError
-from beltsort.perception import Finding, LabelRule, Match
-from beltsort.tables import MatchedScan, Seen, choose_rule
+from beltsort.geometry import Points
+from beltsort.perception import Finding, LabelRule, Match, fit_label_rule, leave_one_out, rule_of
+from beltsort.tables import MatchedScan, Seen, choose_rule, estimate, fit_levels
+from tests.perception.databases import database
 
 CLASSES = ("nut", "bolt", "pin")
 ONE, TWO = LabelRule(CLASSES), LabelRule(CLASSES, (0.5,))
@@ -85,6 +87,56 @@ def test_nothing_seen_says_something_where_it_has_a_label() -> None:
     choice = choose_rule(rules, found, viewpoints=1)
     assert choice.rule.nothing_seen
     assert choice.log_losses[1] < choice.log_losses[0] - 0.1
+
+
+class Own:
+    classes = CLASSES
+
+    def classify(self, points: Points, camera: Points) -> Match:
+        raise NotImplementedError
+
+
+def test_levels_are_fitted_with_a_classifier_of_ones_own() -> None:
+    found = scans(200)
+    choice = fit_levels(Own(), found, viewpoints=1)
+    assert choice.rule.levels == 2
+    assert 0.1 < choice.rule.edges[0] < 0.9
+    assert len(choice.log_losses) == 4
+    for levels in (1, 2):
+        assert fit_levels(Own(), found, viewpoints=1, levels=levels).rule.levels == levels
+
+
+def test_levels_of_probabilities() -> None:
+    def probable(scan: MatchedScan) -> MatchedScan:
+        seen = scan.seen[0].match
+        assert seen is not None
+        weights = np.where(np.arange(3) == seen.label, 5.0 + 4.0 * (seen.margin or 0.0), 1.0)
+        weights /= weights.sum()
+        return replace(scan, seen=(Seen(Match(seen.label, weights, probabilities=weights)),))
+
+    choice = fit_levels(Own(), [*map(probable, scans(200))], viewpoints=1)
+    assert (choice.rule.score, choice.rule.levels) == ("probability", 2)
+
+
+def test_edges_of_a_database_come_from_its_own_entries() -> None:
+    trained = database(n=60)
+    matched = [
+        MatchedScan(0, (true,), (None,), (Seen(seen),))
+        for seen, true in zip(leave_one_out(trained), trained.labels.tolist(), strict=True)
+    ]
+    expected = fit_label_rule(trained.classes, leave_one_out(trained), trained.labels.tolist(), 3)
+    assert fit_levels(trained, matched[:30], viewpoints=1, levels=3).rule == expected
+
+
+def test_a_model_is_estimated_with_its_rule() -> None:
+    found = scans(200)
+    rule = fit_levels(Own(), found, viewpoints=1).rule
+    result = estimate([scan.labelled(rule) for scan in found], CLASSES, ["above"], rule=rule)
+    assert rule_of(result.model) == rule
+    assert result.model.p_obs.shape == (1, 1, 3, 6)
+    assert result.to_dict()["labels"] == list(rule.labels)
+    loaded = beltsort.SortingModel.from_json(result.model.to_json())
+    assert rule_of(loaded) == rule
 
 
 def test_scans_are_labelled_by_the_rule() -> None:
