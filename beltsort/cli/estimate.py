@@ -5,7 +5,7 @@ import json
 from argparse import Namespace
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
@@ -14,9 +14,10 @@ from beltsort.cli.progress import tenths
 from beltsort.sim.config import TABLE_OBJECTS
 
 if TYPE_CHECKING:
-    from beltsort.perception import Classifier
+    from beltsort.perception import Classifier, LabelRule
     from beltsort.tables.estimate import Estimate
     from beltsort.tables.log import LabelLog
+    from beltsort.tables.matches import MatchedScan, MatchLog
     from beltsort.tables.recording import Recording
     from beltsort.tables.scans import LabelledScan
 
@@ -64,6 +65,13 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument(
         "--repeats", action="store_true", help="estimate the model's key `repeat` from repeated looks"
     )
+    parser.add_argument(
+        "--levels",
+        choices=["auto", "1", "2", "3", "4"],
+        metavar="N",
+        help="levels of confidence of the labels, 1 to 4, or `auto`: chosen by the log-loss of held-out "
+        "objects (default: labels are the classes)",
+    )
     parser.add_argument("--figure", type=Path, metavar="PNG", help="draw the tables")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
     add_json(parser)
@@ -76,11 +84,13 @@ def run(arguments: Namespace) -> int:
     from beltsort.tables.figure import draw_tables
 
     check(arguments)
-    classes, viewpoints, scans = labelled_scans(arguments)
+    labelled = labelled_scans(arguments)
+    classes, viewpoints = labelled.classes, labelled.viewpoints
     result = estimate(
-        scans,
+        labelled.scans,
         classes,
         viewpoints,
+        rule=labelled.rule,
         smoothing=arguments.smoothing,
         repeats=arguments.repeats,
         error=arguments.error,
@@ -88,7 +98,8 @@ def run(arguments: Namespace) -> int:
     )
     result.model.save(arguments.output)
     if arguments.figure is not None:
-        draw_tables(result.counts, result.smoothing, classes, viewpoints, arguments.figure)
+        labels = result.model.labels
+        draw_tables(result.counts, result.smoothing, classes, viewpoints, arguments.figure, labels)
     if arguments.json:
         print_json({"model": str(arguments.output), "wanted_error": arguments.error, **result.to_dict()})
     else:
@@ -113,8 +124,17 @@ def check(arguments: Namespace) -> None:
             )
 
 
-def labelled_scans(arguments: Namespace) -> "tuple[list[str], list[str], list[LabelledScan]]":
-    """Return the names of classes and viewpoints, and all labelled scans."""
+class Labelled(NamedTuple):
+    """Labelled scans, the names of classes and viewpoints, and the rule that made the labels, if any."""
+
+    classes: list[str]
+    viewpoints: list[str]
+    scans: "list[LabelledScan]"
+    rule: "LabelRule | None"
+
+
+def labelled_scans(arguments: Namespace) -> Labelled:
+    """Label the scans of the cell."""
     if arguments.cell != SIMULATED:
         from beltsort.tables.recording import read_recording
 
@@ -169,53 +189,80 @@ def classifier_name(arguments: Namespace) -> str:
     return arguments.classifier or str(arguments.output.with_suffix(".classifier.npz"))
 
 
-def from_simulation(
-    database: "Classifier", arguments: Namespace, objects: int, seed: int
-) -> "tuple[list[str], list[str], list[LabelledScan]]":
+def from_simulation(database: "Classifier", arguments: Namespace, objects: int, seed: int) -> Labelled:
     """Label scans of the simulated cell."""
     from beltsort.sim import CellConfig
-    from beltsort.sim.collect import collect_scans
+    from beltsort.sim.collect import collect_matches, collect_scans
 
     config = CellConfig()
     settings = {"cell": SIMULATED, "seed": str(seed), "config": fingerprint(asdict(config))}
-    with log_beside(arguments, settings) as log:
-        scans = collect_scans(
-            database,
-            config,
-            objects=objects,
-            seed=seed,
-            workers=arguments.workers,
-            progress=tenths("scans"),
-            log=log,
-        )
-    return list(config.classes), [viewpoint.name for viewpoint in config.viewpoints], scans
+    given = {"objects": objects, "seed": seed, "workers": arguments.workers, "progress": tenths("scans")}
+    viewpoints = [viewpoint.name for viewpoint in config.viewpoints]
+    if arguments.levels is None:
+        with log_beside(arguments, settings) as log:
+            scans = collect_scans(database, config, log=log, **given)
+        return Labelled(list(config.classes), viewpoints, scans, None)
+    with match_log_beside(arguments, settings) as matches:
+        matched = collect_matches(database, config, log=matches, **given)
+    return Labelled(list(config.classes), viewpoints, *with_levels(database, matched, viewpoints, arguments))
 
 
-def from_recording(
-    recording: "Recording", database: "Classifier", arguments: Namespace
-) -> "tuple[list[str], list[str], list[LabelledScan]]":
+def from_recording(recording: "Recording", database: "Classifier", arguments: Namespace) -> Labelled:
     """Label recorded scans."""
-    from beltsort.tables.label import label_recording
+    from beltsort.tables.label import label_recording, match_recording
 
     header = recording.header
     settings = {"cell": "recorded", "layout": fingerprint(asdict(header.layout))}
-    with log_beside(arguments, settings) as log:
-        scans = label_recording(
-            recording, database, workers=arguments.workers, progress=tenths("scans"), log=log
-        )
-    return list(header.classes), list(header.viewpoints), scans
+    given = {"workers": arguments.workers, "progress": tenths("scans")}
+    classes, viewpoints = list(header.classes), list(header.viewpoints)
+    if arguments.levels is None:
+        with log_beside(arguments, settings) as log:
+            scans = label_recording(recording, database, log=log, **given)
+        return Labelled(classes, viewpoints, scans, None)
+    with match_log_beside(arguments, settings) as matches:
+        matched = match_recording(recording, database, log=matches, **given)
+    return Labelled(classes, viewpoints, *with_levels(database, matched, viewpoints, arguments))
+
+
+def with_levels(
+    database: "Classifier", scans: "list[MatchedScan]", viewpoints: list[str], arguments: Namespace
+) -> "tuple[list[LabelledScan], LabelRule]":
+    """Label scans with a rule of so many levels, print how it was chosen, and return both."""
+    from beltsort.tables.confidence import fit_levels
+
+    levels = None if arguments.levels == "auto" else int(arguments.levels)
+    choice = fit_levels(database, scans, len(viewpoints), levels=levels, smoothing=arguments.smoothing)
+    losses = ", ".join(f"{loss:.3f}" for loss in choice.log_losses)
+    print_status(f"levels of confidence: {choice.rule.levels} (held-out log-loss {losses})")
+    return [scan.labelled(choice.rule) for scan in scans], choice.rule
 
 
 def log_beside(arguments: Namespace, settings: dict[str, str]) -> "LabelLog":
     """Open the log of labels beside the model, and print the number of labels in it."""
     from beltsort.tables.log import LabelLog
 
-    path, name = arguments.output.with_suffix(".labels"), classifier_name(arguments)
-    known_by = Path(name).read_bytes() if Path(name).exists() else name.encode()
-    log = LabelLog(path, {**settings, "classifier": digest(known_by)})
+    path = arguments.output.with_suffix(".labels")
+    log = LabelLog(path, settings | classifier_settings(arguments))
     if known := len(log.labels()):
         print_status(f"{known} scans are already labelled in {path}")
     return log
+
+
+def match_log_beside(arguments: Namespace, settings: dict[str, str]) -> "MatchLog":
+    """Open the log of matches beside the model, and print the number of scans in it."""
+    from beltsort.tables.matches import MatchLog
+
+    path = arguments.output.with_suffix(".matches")
+    log = MatchLog(path, settings | classifier_settings(arguments))
+    if known := len(log.values()):
+        print_status(f"{known} scans are already classified in {path}")
+    return log
+
+
+def classifier_settings(arguments: Namespace) -> dict[str, str]:
+    """Return what a log is known to belong to: a database's content, or the name of another classifier."""
+    name = classifier_name(arguments)
+    return {"classifier": digest(Path(name).read_bytes() if Path(name).exists() else name.encode())}
 
 
 def fingerprint(settings: object) -> str:
@@ -236,9 +283,9 @@ def show(result: "Estimate", arguments: Namespace) -> None:
     names = (model.classes, model.viewpoints)
     print(f"{result.scans} scans; smoothing {result.smoothing:g}")
     for true in range(len(model.classes)):
-        print(f"\n{table_one(model.p_obs, *names, true)}")
-    print(f"\n{table_two(model.p_obs, *names)}")
-    print(f"\n{intervals_text(result.counts, result.smoothing, *names)}")
+        print(f"\n{table_one(model.p_obs, *names, true, model.labels)}")
+    print(f"\n{table_two(model.p_obs, *names, labels=model.labels)}")
+    print(f"\n{intervals_text(result.counts, result.smoothing, *names, model.labels)}")
     print(f"\n{agreement_text(result.counts, model.viewpoints)}")
     print(f"\n{independence_text(result.tests, model.viewpoints)}")
     worst = result.worst

@@ -14,7 +14,7 @@ import pytest
 
 import beltsort
 from beltsort.cli import main
-from beltsort.perception import NearestNeighbour
+from beltsort.perception import NearestNeighbour, rule_of
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_counts, collect_training
 from beltsort.sim.record import record_simulated
@@ -92,6 +92,26 @@ def test_with_a_classifier_of_ones_own(
     assert main(again) == 2
     assert re.search(r"'toy_of_estimate:Second'.*'Second'", capsys.readouterr().err)
     sys.modules.pop("toy_of_estimate")
+
+
+def test_with_levels_of_confidence(
+    folder: str, classifier: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model, figure = tmp_path / "model.json", tmp_path / "tables.png"
+    given = ["estimate", folder, "--classifier", classifier, "-o", str(model), "--workers", "1"]
+    assert main([*given, "--levels", "2", "--figure", str(figure), "--json"]) == 0
+    said = capsys.readouterr()
+    saved = beltsort.SortingModel.load(model)
+    rule = rule_of(saved)
+    assert rule.levels == 2
+    assert json.loads(said.out)["labels"] == saved.labels == list(rule.labels)
+    assert saved.p_obs.shape == (2, 1, 4, 8)
+    assert re.search(r"\blevels\b.*\b2\b.*\blog-loss\b", said.err)
+    assert main([*given, "--levels", "auto"]) == 0
+    said = capsys.readouterr()
+    assert re.search(rf"\b16 scans\b.*{re.escape(str(model.with_suffix('.matches')))}\n", said.err)
+    assert len(re.findall(r"\d\.\d{3}", said.err)) == 4
+    assert "p(observed | true = livarno), position 1" in said.out
 
 
 def test_killed_and_begun_again(classifier: str, tmp_path: Path) -> None:
