@@ -168,20 +168,21 @@ class LabelRule:
         return validated(cls, given, _no_rule)
 
 
-def rule_of(model: beltsort.SortingModel) -> LabelRule:
-    """Return the rule that makes the labels of a model: its `label_rule`, or the classes if it has none.
+def rule_of(model: beltsort.SortingModel) -> LabelRule | None:
+    """Return the rule that makes the labels of a model: its `label_rule`, None if it has none.
 
     Raises
     ------
     ArgumentError
         If the rule is not valid, or makes other labels than the model's.
     """
-    kept = model.label_rule
-    rule = LabelRule(tuple(model.classes)) if kept is None else LabelRule.from_dict(kept)
+    if model.label_rule is None:
+        return None
+    rule = LabelRule.from_dict(model.label_rule)
     if list(rule.classes) != model.classes or list(rule.labels) != model.labels:
         raise beltsort.ArgumentError(
-            f"the model's labels are {model.labels}, expected {list(rule.labels)}, those of its "
-            f"{'classes' if kept is None else 'label_rule'}: estimate tables and rule together"
+            f"the model's labels are {model.labels}, expected {list(rule.labels)}, those of its label_rule: "
+            "estimate tables and rule together"
         )
     return rule
 
