@@ -1,8 +1,9 @@
 """The bins of a cell, with their names and the sorter's numbers."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from beltsort.cell.protocols import Cell, NumbersBins
+from beltsort.cell.protocols import Cell, NamesBins, NumbersBins
 
 REJECT = "reject"
 """Name of the bin for undecided objects."""
@@ -15,7 +16,7 @@ class Bin:
     Attributes
     ----------
     name
-        The class whose objects it contains, or `REJECT`.
+        One of the model's bins, which are the classes unless the model names others, or `REJECT`.
     number
         The sorter's number of it.
     """
@@ -28,11 +29,36 @@ class Bin:
         return f'bin "{self.name}" ({self.number})'
 
 
-def bin_of(cell: Cell, label: int) -> Bin:
-    """Return the bin of a class, or of the cell's `reject_bin`.
+def bin_names_of(cell: Cell) -> tuple[str, ...]:
+    """Return the names of a cell's bins, without the reject bin; those of its classes if it names none."""
+    return tuple((isinstance(cell, NamesBins) and cell.bin_names) or cell.classes)
 
-    If the sorter has no numbers of its own, the number is the label.
+
+def without_empty(names: Sequence[str], empty: str | None, known: Sequence[str]) -> list[str]:
+    """Return a model's classes or bins without a last one for empty cups that a cell does not have.
+
+    Parameters
+    ----------
+    names
+        Names of the model's classes or bins.
+    empty
+        Name of the model's class for empty cups; None if there is none.
+    known
+        Names of the cell's classes or bins.
+
+    Examples
+    --------
+    >>> without_empty(["nut", "bolt", "none"], "none", ["nut", "bolt"])
+    ['nut', 'bolt']
     """
-    names = dict(enumerate(cell.classes))
+    return list(names[:-1] if names[-1] == empty and empty not in known else names)
+
+
+def bin_of(cell: Cell, index: int) -> Bin:
+    """Return a bin of a cell by its index, or the cell's `reject_bin`.
+
+    If the sorter has no numbers of its own, the number is the index.
+    """
+    names = dict(enumerate(bin_names_of(cell)))
     numbers = dict(enumerate(cell.bin_numbers if isinstance(cell, NumbersBins) else ()))
-    return Bin(names.get(label, REJECT), numbers.get(label, label))
+    return Bin(names.get(index, REJECT), numbers.get(index, index))

@@ -138,7 +138,16 @@ class Sorter(Actuator, Protocol):
     """Puts the object at the belt end into a bin."""
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
-        """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`."""
+        """Put the object at the belt end into a bin.
+
+        Parameters
+        ----------
+        label
+            Index of the bin: that of the class, unless the cell names its bins (`NamesBins`); or the cell's
+            `reject_bin`. A driver of a cell file gets the sorter's number of the bin.
+        command_id, timeout
+            As in the module's docstring.
+        """
 
 
 @runtime_checkable
@@ -191,12 +200,29 @@ class KnowsPoses(Protocol):
 
 
 @runtime_checkable
+class NamesBins(Protocol):
+    """A cell whose bins need not be one for each class."""
+
+    @property
+    def bin_names(self) -> Sequence[str]:
+        """Names of the bins in the order of the model's, without the reject bin; if empty, the classes."""
+
+
+@runtime_checkable
 class NumbersBins(Protocol):
     """A cell whose sorter has its own numbers for the bins."""
 
     @property
     def bin_numbers(self) -> Sequence[int]:
-        """Bin number of each label, that of the reject bin last; if empty, the labels are the numbers."""
+        """The sorter's number of each bin, the reject bin last; if empty, the numbers are the indices."""
+
+
+@runtime_checkable
+class KnowsClasses(Protocol):
+    """A simulated world, in which the class of every object is known."""
+
+    def true_class(self, index: int) -> int | None:
+        """Return the class index of object `index`; None for an empty cup."""
 
 
 @runtime_checkable
@@ -250,7 +276,7 @@ class Cell(Protocol):
 
     @property
     def classes(self) -> Sequence[str]:
-        """Names of the object classes, one bin each."""
+        """Names of the object classes; one bin each, unless the cell names its bins (`NamesBins`)."""
 
     @property
     def viewpoints(self) -> Sequence[str]:

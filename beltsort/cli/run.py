@@ -3,7 +3,6 @@
 import shlex
 import sys
 from argparse import Namespace
-from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -214,9 +213,7 @@ def load_description(arguments: Namespace) -> "CellDescription":
 
 def print_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:
     """Print the number of objects in each bin, and the folder of the run."""
-    names = [*opened.model.classes, "rejected"]
-    counts = Counter(names[-1 if d.label is None else d.label] for d in report.decisions)
-    sorted_into = [f"{counts[name]} {name}" for name in names if counts[name]]
+    sorted_into = [f"{count} {name}" for name, count in report.counts(opened.model.bins).items()]
     empty = [f"{len(report.skipped)} empty"] if report.skipped else []
     passed = [f"{len(report.passed)} PASSED UNSORTED {list(report.passed)}"] if report.passed else []
     parts = [*sorted_into, *empty, *passed]

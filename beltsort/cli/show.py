@@ -11,6 +11,7 @@ from beltsort.cli.output import print_json, print_status
 from beltsort.sorting.audit import entries_of, write_csv
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.progress import Progress
+from beltsort.sorting.runs import plain_decision
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -45,7 +46,10 @@ def run(arguments: Namespace) -> int:
                 "steps": progress.steps,
                 "objects": progress.objects,
                 "at_belt_end": progress.index,
-                "decisions": [asdict(decision) for decision in progress.decisions],
+                "decisions": [
+                    {**plain_decision(decision, progress.model.bins), **asdict(decision)}
+                    for decision in progress.decisions
+                ],
                 "skipped": progress.skipped,
                 "drift": [alarm.to_dict() for alarm in progress.drift.alarms],
                 "entries": [entry.plain() for entry in entries],

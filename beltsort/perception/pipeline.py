@@ -109,6 +109,11 @@ class Perception:
         self.config = config
         self.rule = rule
 
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the labels, into which `Perceived.label` is an index."""
+        return self.classifier.classes
+
     def __call__(self, scan: DepthScan) -> list[Perceived]:
         """Return what is perceived at each of the H positions, the belt end first.
 

@@ -9,6 +9,7 @@ from typing import Any, TypeGuard
 
 from beltsort import Belief, Decide, Despot, Move, Plan, SortingModel
 from beltsort.errors import JournalError
+from beltsort.planning.decisions import best_bin
 from beltsort.sorting.entries import (
     AnyContent,
     Chosen,
@@ -62,9 +63,10 @@ class Step:
 
     @property
     def action(self) -> Move | Decide:
-        """The action chosen."""
+        """The action chosen; if a rule sent the object to the reject bin, the best decision."""
         if isinstance(self.choice, Decided):
-            return Decide(self.belief.most_likely(0)[0])
+            label = self.choice.label
+            return Decide(best_bin(self.belief) if label is None else label)
         action = self.choice.action
         return Move(action["move"]) if "move" in action else Decide(action["decide"])
 

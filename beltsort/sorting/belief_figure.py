@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort import Belief, SortingModel
+from beltsort.cell.bins import REJECT
 from beltsort.errors import JournalError
 from beltsort.sorting.entries import Decided, Scanned, Skipped, Started
 from beltsort.sorting.journal import Entry
@@ -22,7 +23,7 @@ def belief_over_time(
     beliefs
         Shape (n + 1, H, L); row 0 is the arrival prior. A decision's row shows the belief behind it.
     decisions
-        (row, class name) of each.
+        (row, name of the bin) of each.
     model
         The model it was planned with.
 
@@ -44,7 +45,7 @@ def belief_over_time(
                 beliefs.append(belief)
             case Decided(label):
                 beliefs.append(belief)
-                decisions.append((len(beliefs) - 1, "reject" if label is None else model.classes[label]))
+                decisions.append((len(beliefs) - 1, REJECT if label is None else model.bins[label]))
                 belief = np.vstack([belief[1:], model.arrival])
             case Skipped():
                 belief = np.vstack([belief[1:], model.arrival])

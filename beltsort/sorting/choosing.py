@@ -2,7 +2,9 @@
 
 from beltsort._core import Decide, Despot, Move, PolicyError
 from beltsort.cell import Cell
+from beltsort.cell.bins import bin_of
 from beltsort.cell.commands import MoveTo
+from beltsort.planning.decisions import best_bin, probability_right
 from beltsort.planning.policy import Policy
 from beltsort.sorting.commander import Commander
 from beltsort.sorting.entries import Chosen, Decided, Planned, Skipped
@@ -47,7 +49,7 @@ class Chooser:
         BeltsortError
             As `Commander.issue`, and any error of the policy.
         """
-        belt_end, (most_likely, _) = self._progress.visible[0], self._progress.belief.most_likely(0)
+        belt_end = self._progress.visible[0]
         legal = self._model.travel[self._progress.viewpoint]
         no_class_for_empty = self._model.empty is None
         if no_class_for_empty and belt_end.known_empty(self._rules, legal):
@@ -58,15 +60,15 @@ class Chooser:
             self._record(Chosen(_plain(move), why="the belt end was seen empty: look again"))
             self._commander.issue(MoveTo(move.viewpoint))
         elif belt_end.looks >= self._rules.max_looks:
-            self._decide(most_likely, forced="max_looks")
+            self._decide(best_bin(self._progress.belief), forced="max_looks")
         elif belt_end.impossible >= self._rules.impossible_labels:
-            self._decide(most_likely, forced="impossible_labels")
+            self._decide(best_bin(self._progress.belief), forced="impossible_labels")
         else:
             match self._plan():
                 case Move(viewpoint):
                     self._commander.issue(MoveTo(viewpoint))
-                case Decide(label):
-                    self._decide(label)
+                case Decide(bin):
+                    self._decide(bin)
 
     def _plan(self) -> Move | Decide:
         """Return the policy's action, after journalling it."""
@@ -93,25 +95,27 @@ class Chooser:
     def _check_legal(self, action: object) -> None:
         """Raise a `PolicyError` if the model does not allow an action."""
         moves = [Move(viewpoint) for viewpoint in self._model.travel[self._progress.viewpoint]]
-        legal = [*moves, *(Decide(label) for label in range(len(self._model.classes)))]
+        legal = [*moves, *(Decide(bin) for bin in range(len(self._model.bins)))]
         if action not in legal:
             raise PolicyError(
                 f"the policy returned {action!r} at viewpoint {self._progress.viewpoint}; legal are {legal}"
             )
 
-    def _decide(self, label: int, forced: str | None = None) -> None:
+    def _decide(self, bin: int, forced: str | None = None) -> None:
         """Journal the decision about the object at the belt end, or that its cup is skipped as empty."""
         belt_end, rejected = self._progress.visible[0], self._cell.reject_bin if forced is not None else None
-        if self._model.classes[label] == self._model.empty and rejected is None:
+        if self._model.bins[bin] == self._model.empty and rejected is None:
             self._record(Skipped(belt_end.empty, decided=True))
             return
+        into = bin if rejected is None else rejected
         self._record(
             Decided(
-                label=label if rejected is None else None,
-                bin=label if rejected is None else rejected,
-                belief=float(self._progress.belief.probabilities[0, label]),
+                label=bin if rejected is None else None,
+                bin=into,
+                belief=probability_right(self._progress.belief, bin),
                 looks=belt_end.looks,
                 forced=forced,
+                name=bin_of(self._cell, into).name,
             )
         )
 
@@ -121,5 +125,5 @@ def _plain(action: Move | Decide) -> dict[str, int]:
     match action:
         case Move(viewpoint):
             return {"move": viewpoint}
-        case Decide(label):
-            return {"decide": label}
+        case Decide(bin):
+            return {"decide": bin}

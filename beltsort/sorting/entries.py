@@ -2,8 +2,9 @@
 
 An entry is stored as its `kind` and a JSON object of its fields, whose names are part of the file's format;
 the format of a command is in `beltsort.sorting.entry_format`. A field whose default is None is omitted while
-it is None; journals of older versions may lack any field that has a default. Times are seconds; labels,
-viewpoints and objects are numbers from 0; beliefs have shape (H, L).
+it is None; journals of older versions may lack any field that has a default. Times are seconds; objects are
+numbers from 0; labels, bins and viewpoints are indices into the model's `labels`, `bins` and `viewpoints`,
+the reject bin excepted; beliefs have shape (H, L).
 """
 
 from collections.abc import Mapping
@@ -89,7 +90,7 @@ class Planned(Content):
 
     kind = "plan"
     action: dict[str, int]
-    """`{"move": viewpoint}` or `{"decide": label}`."""
+    """`{"move": viewpoint}` or `{"decide": bin}`."""
     values: list[dict[str, Any]]
     """For every legal action, the action and its `value`."""
     lower: float
@@ -177,6 +178,8 @@ class Scanned(Content):
     """Labels that the belief held impossible: `position`, `label`, `probability`."""
     belief: list[list[float]]
     last_labels: list[list[int]]
+    kinds: list[list[float]] | None = None
+    """The belief over kinds, shape (H, N); None if every class has one mode."""
 
 
 @dataclass(frozen=True)
@@ -218,12 +221,16 @@ class Decided(Content):
 
     kind = "decision"
     label: int | None
-    """The class decided; None if the object goes to the reject bin."""
+    """The bin decided: that of a class, unless the model has `bins`; None if it is the reject bin."""
     bin: int
+    """Index of the cell's bin: `label`, or the reject bin."""
     belief: float
+    """Probability that the bin decided is right; for the reject bin, that the best one is."""
     looks: int
     forced: str | None
     """Why a rule decided; None if the policy did."""
+    name: str | None = None
+    """Name of the bin; None in journals of older versions."""
 
 
 @dataclass(frozen=True)
@@ -272,6 +279,8 @@ class Snapshot(Content):
     passed: list[int] = field(default_factory=list)
     belief: list[list[float]]
     last_labels: list[list[int]]
+    kinds: list[list[float]] | None = None
+    """As in `Scanned`."""
     owed: str
     """`Progress.next`."""
     pending: Command | None

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, TypedDict, get_args
 
+from beltsort._core import Belief
 from beltsort.cell.commands import Act
 from beltsort.sorting.command import Command
 from beltsort.sorting.entries import AnyContent, Intended, Snapshot
@@ -100,3 +101,21 @@ def restored(data: Mapping[str, Any]) -> dict[str, Any]:
         raise ValueError(f"the target of {name} is {target!r}, expected a number")
     others = {key: value for key, value in data.items() if key not in ("name", "target")}
     return {**others, "act": ACTS[name](target)}
+
+
+class PlainBelief(TypedDict):
+    """A belief as entries store it: see `beltsort.sorting.entries.Scanned`."""
+
+    belief: list[list[float]]
+    kinds: list[list[float]] | None
+    last_labels: list[list[int]]
+
+
+def plain_belief(belief: Belief) -> PlainBelief:
+    """Return a belief as the fields of entries from which it is restored exactly."""
+    probabilities, kinds = belief.probabilities.tolist(), belief.kinds.tolist()
+    return {
+        "belief": probabilities,
+        "kinds": None if len(kinds[0]) == len(probabilities[0]) else kinds,
+        "last_labels": belief.last_labels.tolist(),
+    }

@@ -8,6 +8,7 @@ from uuid import uuid4
 import beltsort
 from beltsort._core import Despot, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
+from beltsort.cell.bins import bin_names_of, without_empty
 from beltsort.cell.commands import AdvanceTo, MoveTo, SortInto
 from beltsort.cell.stopping import stopping
 from beltsort.errors import CellError
@@ -17,14 +18,15 @@ from beltsort.sorting.commander import Commander
 from beltsort.sorting.entries import Drifted, Ended, Resumed, Started, State, StateChanged
 from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
 from beltsort.sorting.journal import Journal
-from beltsort.sorting.observing import Observer, Perceive, PerceivedPosition
+from beltsort.sorting.observing import Observer
+from beltsort.sorting.perceived import NamesLabels, Perceive, PerceivedPosition
 from beltsort.sorting.progress import Next, Progress
 from beltsort.sorting.record import Record, progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.rules import Drift, Rules
 from beltsort.util.text import number_or_none
 
-__all__ = ["Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
+__all__ = ["NamesLabels", "Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
 
 Check = Callable[[], None]
 """Called before each step of a run; an exception that it raises ends the run."""
@@ -54,10 +56,12 @@ def sort_objects(
     Parameters
     ----------
     cell
-        Arm, camera, belt and sorter; its classes, viewpoints and positions must be the model's. If the last
-        class of the model stands for empty cups, the cell needs no bin for it.
+        Arm, camera, belt and sorter; its classes, bins, viewpoints and positions must be the model's, in
+        order. If the last class of the model stands for empty cups, the cell needs neither this class nor a
+        last bin of its name.
     perceive
-        Function from a scan to one result per position, the belt end first.
+        Function from a scan to one result per position, the belt end first. Its labels are found among the
+        model's by their names (`NamesLabels`); if it does not name them, they are the model's classes.
     policy
         Chooses the next action.
     model
@@ -67,7 +71,8 @@ def sort_objects(
         it is missing only after a kill or a power failure.
     objects
         Number of objects to sort, empty cups included. A cup is skipped once it has been seen empty
-        `Rules.empty_looks` times or, if the model has a class for empty cups, once that class is decided.
+        `Rules.empty_looks` times or, if the model has a class for empty cups, once the bin of its name is
+        decided.
     first
         The belt's number of the object at the belt end now.
     belt_ends
@@ -264,18 +269,18 @@ def _settings(policy: Policy) -> dict[str, Any] | None:
 
 
 def _check_fit(cell: Cell, model: SortingModel) -> None:
-    """Check that a cell has the classes, viewpoints and positions of a model."""
-    classes = list(model.classes)
-    if classes[-1] == model.empty and model.empty not in cell.classes:
-        classes.pop()
+    """Check that a cell has the classes, viewpoints, positions and bins of a model."""
+    bins = bin_names_of(cell)
     pairs: list[tuple[str, Any, Any]] = [
-        ("classes", list(cell.classes), classes),
+        ("classes", list(cell.classes), without_empty(model.classes, model.empty, cell.classes)),
         ("viewpoints", list(cell.viewpoints), list(model.viewpoints)),
         ("positions", cell.layout.positions, model.positions),
+        ("bins", list(bins), without_empty(model.bins, model.empty, bins)),
     ]
     for name, of_cell, of_model in pairs:
         if of_cell != of_model:
+            remedy = "give the cell these" if name == "bins" else "estimate the tables with this cell"
             raise CellError(
                 f"the cell's {name} are {of_cell}, the model's {of_model}; they must agree, in order: "
-                "estimate the tables with this cell"
+                f"{remedy}"
             )

@@ -1,37 +1,18 @@
 """Taking scans: a usable scan is perceived, and the belief updated with its labels."""
 
-from collections.abc import Callable, Sequence
-from typing import Protocol
+from collections.abc import Sequence
 
 from beltsort._core import Belief, ImpossibleObservationError
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.arrival import deviation_from, viewpoint_poses
 from beltsort.errors import CloudError
 from beltsort.sorting.entries import ScanElsewhere, Scanned, ScanUnusable
+from beltsort.sorting.entry_format import plain_belief
 from beltsort.sorting.holds import HeldError, Hold
+from beltsort.sorting.perceived import LabelNumbers, Perceive, PerceivedPosition
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.rules import Rules
-
-
-class PerceivedPosition(Protocol):
-    """What perception reports about one belt position."""
-
-    @property
-    def label(self) -> int | None:
-        """Class index, or None if there is no label."""
-
-    @property
-    def empty(self) -> bool:
-        """Whether nothing was seen there."""
-
-    @property
-    def finding(self) -> str:
-        """What was found there, or why nothing was, in a word or two."""
-
-
-Perceive = Callable[[Scan], Sequence[PerceivedPosition]]
-"""Function from a scan to one result per position, the belt end first."""
 
 MISSED_ARRIVALS = 1
 """Moves in a row that may end away from their viewpoint before the run is held."""
@@ -52,6 +33,11 @@ class Observer:
         Writes an entry and applies it to `progress`.
     rules
         Limits.
+
+    Raises
+    ------
+    CellError
+        If the labels of perception are not the model's.
     """
 
     def __init__(
@@ -65,8 +51,7 @@ class Observer:
         self._camera, self._poses = cell.camera, viewpoint_poses(cell)
         self._perceive, self._progress, self._record = perceive, progress, record
         self._rules = rules
-        empty = progress.model.empty
-        self._empty = None if empty is None else progress.model.classes.index(empty)
+        self._labels = LabelNumbers(perceive, progress.model)
 
     def observe(self) -> None:
         """Scan from the current viewpoint, perceive, and update the belief.
@@ -113,11 +98,11 @@ class Observer:
     def _update(self, perceived: Sequence[PerceivedPosition]) -> None:
         """Update the belief with the labels of a scan, and journal them.
 
-        If the model has a class for empty cups, an empty position gets it as its label.
+        If the model has a class for empty cups and a label of its name, an empty position gets this label.
         """
         belief, viewpoint = self._progress.belief.copy(), self._progress.viewpoint
         probabilities = belief.label_probabilities(viewpoint)
-        labels = [self._empty if seen.empty and self._empty is not None else seen.label for seen in perceived]
+        labels = [self._labels.of(seen) for seen in perceived]
         dropped = [
             {"position": position, "label": label, "probability": float(probabilities[position, label])}
             for position, label in enumerate(labels)
@@ -130,8 +115,7 @@ class Observer:
                 empty=[seen.empty for seen in perceived],
                 findings=[seen.finding for seen in perceived],
                 dropped=dropped,
-                belief=belief.probabilities.tolist(),
-                last_labels=belief.last_labels.tolist(),
+                **plain_belief(belief),
             )
         )
 

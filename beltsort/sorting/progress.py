@@ -35,6 +35,7 @@ from beltsort.sorting.entries import (
     StateChanged,
     Unheard,
 )
+from beltsort.sorting.entry_format import plain_belief
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.report import Decision
 from beltsort.sorting.rules import Seen
@@ -108,7 +109,7 @@ class Progress:
     known_outcome
         The outcome of that attempt if it is certain: it was refused, or an operator has said so.
     bin
-        The bin for the object at the belt end, from the decision until the object has been sorted.
+        Index of the cell's bin for the object at the belt end, from the decision until it has been sorted.
     visible
         What is known about each visible object besides the belief.
     drift
@@ -286,7 +287,7 @@ class Progress:
     def _scan(self, scan: Scanned) -> None:
         self.scans, self.missed_arrivals = self.scans + 1, 0
         self.drift.see(self.belief, scan.viewpoint, scan.labels)
-        self.belief = Belief(self.model, scan.belief, scan.last_labels, self.remaining)
+        self.belief = Belief(self.model, scan.kinds or scan.belief, scan.last_labels, self.remaining)
         dropped = {drop["position"] for drop in scan.dropped}
         for position, (seen, label) in enumerate(zip(self.visible, scan.labels, strict=True)):
             seen.looks += 1
@@ -312,8 +313,7 @@ class Progress:
             owed=self.next.value,
             told=None if self.known_outcome is None else self.known_outcome.value,
             passed=list(self.passed),
-            belief=self.belief.probabilities.tolist(),
-            last_labels=self.belief.last_labels.tolist(),
+            **plain_belief(self.belief),
             visible=[replace(seen) for seen in self.visible],
             drift=self.drift.snapshot(),
         )
@@ -324,7 +324,9 @@ class Progress:
         self.scans, self.missed_arrivals = snapshot.glances, snapshot.strays
         self.next = Next(snapshot.owed)
         self.known_outcome = None if snapshot.told is None else Outcome(snapshot.told)
-        self.belief = Belief(self.model, snapshot.belief, snapshot.last_labels, self.remaining)
+        self.belief = Belief(
+            self.model, snapshot.kinds or snapshot.belief, snapshot.last_labels, self.remaining
+        )
         self.visible = [replace(seen) for seen in snapshot.visible]
         self.passed = list(snapshot.passed)
         if snapshot.drift is not None:

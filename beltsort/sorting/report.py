@@ -1,10 +1,20 @@
 """The report of a run."""
 
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from beltsort._core import SortingModel
+
 if TYPE_CHECKING:
     from beltsort.tables import Alarm
+
+REJECTED = "rejected"
+"""Stands for the reject bin in counts of objects per bin."""
 
 
 @dataclass(frozen=True)
@@ -16,9 +26,10 @@ class Decision:
     object
         Its number on the belt, from 0.
     label
-        The class decided; None if it went to the reject bin.
+        Index into `model.bins`: the class decided, unless the model names bins; None if it went to the reject
+        bin.
     belief
-        Probability of the most likely class when it was decided.
+        Probability, when it was decided, that this bin is right; for the reject bin, that the best one is.
     looks
         Scans in which it was visible.
     forced
@@ -55,3 +66,52 @@ class SortingReport:
     skipped: tuple[int, ...]
     drift: "tuple[Alarm, ...]" = ()
     passed: tuple[int, ...] = ()
+
+    def counts(self, bins: Sequence[str]) -> dict[str, int]:
+        """Return the number of objects in each of the model's bins that has any, `REJECTED` last.
+
+        Parameters
+        ----------
+        bins
+            Names of the model's bins.
+        """
+        names = [*bins, REJECTED]
+        counts = Counter(names[-1 if d.label is None else d.label] for d in self.decisions)
+        return {name: counts[name] for name in names if counts[name]}
+
+
+def confusion(
+    decisions: Iterable[tuple[int, int | None]],
+    true_class: Callable[[int], int | None],
+    model: SortingModel,
+) -> NDArray[np.uint64]:
+    """Count decisions by bin and true class.
+
+    Parameters
+    ----------
+    decisions
+        Number of the object, and index of its bin, or None for the reject bin, of each.
+    true_class
+        Returns the class index of an object, or None for an empty cup.
+    model
+        The model, with L classes and B bins.
+
+    Returns
+    -------
+    numpy.ndarray
+        uint64 of shape (B, L), like `Evaluation.confusion` of one batch. Objects in the reject bin and empty
+        cups are left out.
+
+    Examples
+    --------
+    >>> import beltsort
+    >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+    >>> confusion([(0, 1), (1, 1), (2, None)], [1, 0, 1].__getitem__, model).tolist()
+    [[0, 0], [1, 1]]
+    """
+    counts = np.zeros((len(model.bins), len(model.classes)), dtype=np.uint64)
+    for number, bin in decisions:
+        true = true_class(number)
+        if bin is not None and true is not None:
+            counts[bin, true] += np.uint64(1)
+    return counts

@@ -12,8 +12,8 @@ class Rules:
     Attributes
     ----------
     max_looks
-        Number of scans after which an object is decided as its most likely class, or goes to the cell's
-        `reject_bin`. With poor tables and a large penalty, looking for ever would be optimal.
+        Number of scans after which an object goes to the bin with the largest expected reward, or to the
+        cell's `reject_bin`. With poor tables and a large penalty, looking for ever would be optimal.
     empty_looks
         Number of scans in a row, from different viewpoints if there are as many, after which a position seen
         empty is taken to be empty. It does not apply if the model has a class for empty cups.

@@ -1,6 +1,7 @@
 """A run: its folder, and what is kept of it."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,7 +14,8 @@ from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
 from beltsort.sorting.journal import Journal, Listener
-from beltsort.sorting.loop import Check, Perceive, nothing, sort_objects
+from beltsort.sorting.loop import Check, nothing, sort_objects
+from beltsort.sorting.perceived import Perceive
 from beltsort.sorting.report import Decision, SortingReport
 from beltsort.sorting.rules import Drift, Rules
 
@@ -95,11 +97,11 @@ class CallLog:
             print(json.dumps(asdict(recorded)), file=file)
 
 
-def plain_decision(decision: Decision, classes: list[str]) -> dict[str, Any]:
-    """Return a decision as plain data."""
+def plain_decision(decision: Decision, bins: Sequence[str]) -> dict[str, Any]:
+    """Return a decision as plain data, with the name of its bin out of the model's `bins`."""
     return {
         "object": decision.object,
-        "decided": None if decision.label is None else classes[decision.label],
+        "decided": None if decision.label is None else bins[decision.label],
         "looks": decision.looks,
         "belief": decision.belief,
         "forced": decision.forced,

@@ -7,7 +7,7 @@ from p, whatever policy chose the look. For any alternative prediction q, the li
 martingale; its value is the evidence, or a gambler's wealth), and by Ville's inequality the probability that
 it ever reaches 1/alpha is at most alpha. Two alternatives are tested, with equal weights:
 
-* noise: a share :math:`\lambda` of the labels is uniform, :math:`q(z) = (1 - \lambda) p(z) + \lambda / L`;
+* noise: a share :math:`\lambda` of the labels is uniform, :math:`q(z) = (1 - \lambda) p(z) + \lambda / Z`;
 * other frequencies: :math:`q(z) \propto p(z) \, r(z)`, where r is the recent frequency of z relative to the
   predicted one. It detects what noise does not: a classifier that is always wrong in the same way.
 
@@ -147,7 +147,7 @@ class DriftWatch:
             place: _TestMartingale() for place in [None, *np.ndindex(shape)]
         }
         self._threshold = len(self._tests) / false_alarm  # the tests share the probability (Bonferroni)
-        self._seen, self._expected = np.full((2, *shape, len(model.classes)), PRIOR_LOOKS)
+        self._seen, self._expected = np.full((2, *shape, len(model.labels)), PRIOR_LOOKS)
         self._excess, self._variance, self._looks = np.zeros((3, *shape))
 
     def observe(

@@ -1,4 +1,4 @@
-"""Conversion of labels to the sorter's bin numbers."""
+"""Conversion of bins to the sorter's numbers."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,12 +8,12 @@ from beltsort.cell.wrappers.layer import Layer, Request, Send
 
 
 class Bins(Layer):
-    """Replaces the label of a sort by the sorter's bin number.
+    """Replaces the bin of a sort by the sorter's number of it.
 
     Parameters
     ----------
     numbers
-        Bin number of each label; that of the reject bin, if there is one, is the last.
+        The sorter's number of each bin; that of the reject bin, if there is one, is the last.
     """
 
     def __init__(self, numbers: Sequence[int]) -> None:

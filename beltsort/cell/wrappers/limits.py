@@ -7,14 +7,14 @@ from beltsort.cell.wrappers.layer import Layer, Request, Send
 
 
 class Limits(Layer):
-    """Rejects unknown viewpoints, labels without a bin, and backward advances of the belt.
+    """Rejects unknown viewpoints and bins, and backward advances of the belt.
 
     Parameters
     ----------
     viewpoints
         Names of the viewpoints.
     bins
-        Names of the labels that have a bin.
+        Names of the bins, the reject bin included.
     """
 
     def __init__(self, viewpoints: Sequence[str], bins: Sequence[str]) -> None:
@@ -26,8 +26,8 @@ class Limits(Layer):
         match request.act:
             case MoveTo(viewpoint):
                 _check_index("viewpoint", viewpoint, self._viewpoints)
-            case SortInto(label):
-                _check_index("label", label, self._bins)
+            case SortInto(bin):
+                _check_index("label", bin, self._bins)
             case AdvanceTo(index):
                 self._check_forward(index)
         return send(request)
