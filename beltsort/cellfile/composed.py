@@ -35,14 +35,14 @@ class ComposedCell:
     arm, camera, belt, sorter
         The devices.
     classes, viewpoints, layout, reject_bin
-        As in `Cell`; the label of the reject bin is the number of classes.
+        As in `Cell`; the index of the reject bin is the number of bins.
     dry_run
         Names of the devices whose commands are printed instead of sent.
     poses
         The camera's pose at each viewpoint in the belt frame, shape (4, 4); None if only joint angles were
         taught, or if the camera does not move.
-    bin_numbers
-        The sorter's bin number of each label.
+    bin_numbers, bin_names
+        As in `NumbersBins` and `NamesBins` of `beltsort.cell.protocols`.
     """
 
     arm: Arm
@@ -56,6 +56,7 @@ class ComposedCell:
     dry_run: tuple[str, ...] = ()
     poses: tuple[Pose | None, ...] = ()
     bin_numbers: tuple[int, ...] = ()
+    bin_names: tuple[str, ...] = ()
 
 
 def compose(
@@ -113,7 +114,8 @@ def compose(
         classes=description.classes,
         viewpoints=description.viewpoint_names,
         layout=description.layout,
-        reject_bin=None if description.reject_bin is None else len(description.classes),
+        reject_bin=None if description.reject_bin is None else len(description.bin_names),
+        bin_names=description.bin_names,
         dry_run=printed,
         poses=tuple(None if camera_is_still else viewpoint.pose() for viewpoint in description.viewpoints),
         bin_numbers=description.bin_numbers,
@@ -164,9 +166,9 @@ def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
 def _outer_layers(description: CellDescription, arm: WrappedArm) -> list[Layer]:
     """Return the wrappers that check arguments and compute the camera's pose, the outermost first."""
     names, poses = description.viewpoint_names, [viewpoint.pose() for viewpoint in description.viewpoints]
-    labels = [*description.classes, "the reject bin"][: len(description.bin_numbers)]
+    bins = [*description.bin_names, "the reject bin"][: len(description.bin_numbers)]
     camera_poses = CameraPoses(names, poses, description.placement, arm.flange_pose)
-    return [Limits(names, labels), camera_poses]
+    return [Limits(names, bins), camera_poses]
 
 
 def _inner_layers(description: CellDescription) -> list[Layer]:

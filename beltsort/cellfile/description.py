@@ -56,7 +56,7 @@ class CellDescription(Section):
     classes: Annotated[tuple[str, ...], Field(min_length=1)]
     """Names of the object classes, in the order of the model's."""
     bins: dict[str, NonNegativeInt] = Field(default_factory=dict)
-    """The sorter's number of the bin of each class; 0, 1, 2, ... in the order of the classes if missing."""
+    """The sorter's number of each of the model's bins; 0, 1, 2, ... for those of the classes if missing."""
     reject_bin: NonNegativeInt | None = None
     """The sorter's number of the bin for undecided objects; none if missing."""
     objects: PositiveInt = 10
@@ -113,9 +113,14 @@ class CellDescription(Section):
         return description
 
     @property
+    def bin_names(self) -> tuple[str, ...]:
+        """Names of the bins: the classes, in their order, or others in the order of `bins`."""
+        return self.classes if set(self.bins) in (set(), set(self.classes)) else tuple(self.bins)
+
+    @property
     def bin_numbers(self) -> tuple[int, ...]:
-        """The sorter's bin number of each class, followed by that of the reject bin if there is one."""
-        numbers = [self.bins.get(name, label) for label, name in enumerate(self.classes)]
+        """The sorter's number of each bin, followed by that of the reject bin if there is one."""
+        numbers = [self.bins.get(name, index) for index, name in enumerate(self.bin_names)]
         return tuple(numbers if self.reject_bin is None else [*numbers, self.reject_bin])
 
     @property
@@ -192,13 +197,18 @@ def contradictions(cell: CellDescription) -> Iterator[Problem]:
 
 
 def _bins(cell: CellDescription) -> Iterator[Problem]:
-    if cell.bins and set(cell.bins) != set(cell.classes):
+    """Yield problems of the bins; those of a model file are compared when it is read."""
+    if cell.prepare is not None and cell.bin_names != cell.classes:
         given, expected = sorted(cell.bins), sorted(cell.classes)
         yield Problem("bins", f"are given for {given}, expected {expected}: name one for each class")
-    elif cell.reject_bin in cell.bin_numbers[: len(cell.classes)]:
-        yield Problem(
-            "reject_bin", f"is {cell.reject_bin}, a class's bin; expected one of its own: choose another"
-        )
+        return
+    for name, number in zip(cell.bin_names, cell.bin_numbers, strict=False):
+        if number == cell.reject_bin:
+            yield Problem(
+                "reject_bin",
+                f'is {number}, the number of bin "{name}"; expected one into which no class is sorted: '
+                "choose another",
+            )
 
 
 def _model_files(cell: CellDescription) -> Iterator[Problem]:

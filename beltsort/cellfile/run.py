@@ -5,9 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from beltsort import Despot, SortingModel
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
-from beltsort.cell.protocols import NOWHERE, Homing, Restorable, TellsPosition
+from beltsort.cell.protocols import NOWHERE, Homing, KnowsClasses, Restorable, TellsPosition
+from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.check import CellCheck, ask_health
 from beltsort.cellfile.composed import ComposedCell, compose
 from beltsort.cellfile.description import CellDescription
@@ -22,7 +26,7 @@ from beltsort.sorting.locks import devices_locked, locked
 from beltsort.sorting.loop import Check, nothing, resume_sorting
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
-from beltsort.sorting.report import SortingReport
+from beltsort.sorting.report import SortingReport, confusion
 from beltsort.sorting.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
 
 DRY_RUN = "-dry-run"
@@ -166,6 +170,11 @@ def open_run(
         If a file cannot be read.
     """
     broken_off = None if resume is None else progress_in(resume / JOURNAL)
+    model = None if broken_off is None else broken_off.model
+    if model is None and description.prepare is None:
+        model = _model_file(description)
+    if model is not None:
+        description = with_bins_of(model, description)
     calls = CallLog(runs / run_name() if resume is None else resume)
 
     devices: list[object] = []
@@ -177,11 +186,11 @@ def open_run(
         restore(devices, broken_off)
     if cell.dry_run and resume is None:
         calls.folder = runs / f"{calls.folder.name}{DRY_RUN}"
-    model, classifier = _model_and_classifier(description, progress)
+    model, classifier = _model_and_classifier(description, model, progress)
     return CellRun(
         description,
         cell,
-        model if broken_off is None else broken_off.model,
+        model,
         classifier,
         calls.folder,
         broken_off,
@@ -267,10 +276,13 @@ def check_ready(cell: ComposedCell) -> None:
 
 
 def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
-    """Return the results of a run as plain data."""
+    """Return the results of a run as plain data; `confusion` only where the true classes are known."""
+    counts = confusion_of(run, report)
     return {
         "steps": report.steps,
-        "decisions": [plain_decision(decision, run.model.classes) for decision in report.decisions],
+        "decisions": [plain_decision(decision, run.model.bins) for decision in report.decisions],
+        "bins": report.counts(run.model.bins),
+        **({} if counts is None else {"confusion": counts.tolist()}),
         "skipped": list(report.skipped),
         "passed": list(report.passed),
         "drift": [alarm.to_dict() for alarm in report.drift],
@@ -279,17 +291,30 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
     }
 
 
+def confusion_of(run: CellRun, report: SortingReport) -> NDArray[np.uint64] | None:
+    """Return the number of objects by bin and true class, shape (B, L); None if no device knows classes."""
+    for device in run.devices:
+        if isinstance(device, KnowsClasses):
+            decisions = ((decision.object, decision.label) for decision in report.decisions)
+            return confusion(decisions, device.true_class, run.model)
+    return None
+
+
+def _model_file(description: CellDescription) -> SortingModel:
+    """Load the model that a cell file names."""
+    return SortingModel.load(description.path(description.model or ""))
+
+
 def _model_and_classifier(
-    description: CellDescription, progress: StageProgress | None
+    description: CellDescription, model: SortingModel | None, progress: StageProgress | None
 ) -> tuple[SortingModel, Classifier]:
-    """Load the files of the cell file, or prepare a simulated cell."""
+    """Load the files of the cell file, or prepare a simulated cell; a model that is given is kept."""
     if description.prepare is not None:
         perception = description.perception or PerceptionConfig()
         amounts = description.prepare.model_dump()
         prepared = prepare(Recipe(trainable_config(description), perception, **amounts), progress=progress)
-        model = prepared.counts.model(description.classes, description.viewpoint_names)
-        return model, prepared.database
-    model = SortingModel.load(description.path(description.model or ""))
+        own = prepared.counts.model(description.classes, description.viewpoint_names)
+        return model or own, prepared.database
     classifier = load_classifier(description.classifier or "", description.path(""))
     if tuple(classifier.classes) != description.classes:
         raise CellFileError.of(
@@ -297,4 +322,4 @@ def _model_and_classifier(
             f"knows the classes {list(classifier.classes)}, expected {list(description.classes)}, in this "
             "order: train it on these",
         )
-    return model, classifier
+    return model or _model_file(description), classifier

@@ -58,7 +58,9 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
     from beltsort.sim.cell import SimulatedCell
 
     labels, config = true_labels(options, cell), config_of(cell, options)
-    return SimulatedCell(labels, config, seed=options.seed, placement=cell.placement)
+    return SimulatedCell(
+        labels, config, seed=options.seed, placement=cell.placement, bin_names=cell.bin_names
+    )
 
 
 def trainable_config(cell: CellDescription) -> CellConfig:
@@ -85,11 +87,14 @@ def config_of(cell: CellDescription, options: SimulatedOptions) -> CellConfig:
     Raises
     ------
     CellFileError
-        If a viewpoint is not given by azimuth and elevation, or the bin numbers are not the class indices.
+        If a viewpoint is not given by azimuth and elevation, or the bins are not numbered from 0.
     """
-    if cell.bin_numbers[: len(cell.classes)] != tuple(range(len(cell.classes))):
+    numbers = [*range(len(cell.bin_names))]
+    if [*cell.bin_numbers[: len(numbers)]] != numbers:
         raise CellFileError.of(
-            "", f"bins are {cell.bins}, expected the class indices for a simulated sorter: leave them out"
+            "",
+            f"bins are {cell.bins}, expected the numbers {numbers} in the order of the model's bins for a "
+            "simulated sorter: renumber them, or leave them out if they are the classes",
         )
     return CellConfig(
         classes=cell.classes,
