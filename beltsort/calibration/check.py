@@ -26,7 +26,9 @@ class Arm:
     right, steps
         Right decisions, and planner steps, per object: one value for each run, shape (runs,).
     confidence
-        Mean belief in the decided class, by run, shape (runs,).
+        Mean probability that the decided bin is right, by run, shape (runs,).
+    confusion
+        Number of objects by bin and true class, shape (B, L).
     curves
         Reliability of the beliefs in decisions (`decisions`), and in all classes after each scan (`steps`).
     """
@@ -34,6 +36,7 @@ class Arm:
     right: Array
     steps: Array
     confidence: Array
+    confusion: NDArray[np.int64]
     curves: Mapping[str, Reliability]
 
     @classmethod
@@ -43,6 +46,7 @@ class Arm:
             np.array([run.correct / RUN_LENGTH for run in runs]),
             np.array([run.steps / RUN_LENGTH for run in runs]),
             np.array([np.mean([belief for *_, belief in run.decisions]) for run in runs]),
+            np.sum([run.confusion for run in runs], axis=0),
             {kind: reliability(pairs(runs)) for kind, pairs in KINDS.items()},
         )
 
@@ -63,7 +67,8 @@ class Arm:
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, fit for JSON."""
         means = {name: numbers_or_none(asdict(mean)) for name, mean in self.means().items()}
-        return {**means, **{kind: curve.to_dict() for kind, curve in self.curves.items()}}
+        curves = {kind: curve.to_dict() for kind, curve in self.curves.items()}
+        return {**means, "confusion": self.confusion.tolist(), **curves}
 
     def _per_run(self) -> dict[str, Array]:
         return {"right": self.right, "confidence": self.confidence, "steps": self.steps}

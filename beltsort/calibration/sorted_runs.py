@@ -17,12 +17,14 @@ import numpy as np
 from beltsort import ArgumentError, Despot, SortingModel
 from beltsort.calibration.reliability import Pairs
 from beltsort.perception import NearestNeighbour, Perception
+from beltsort.planning.decisions import right_bins
 from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.sim import CellConfig
 from beltsort.sorting.entries import Decided, Scanned
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.progress import Progress
+from beltsort.sorting.report import confusion
 from beltsort.util import processes
 from beltsort.util.processes import at_least_one, in_processes
 from beltsort.util.randomness import checked_seed, generator
@@ -42,7 +44,11 @@ class SortedRun:
     steps
         Moves and decisions.
     decisions
-        (object, label, belief in it) of each.
+        (object, bin, probability that the bin is right) of each; the bin is None for the reject bin.
+    right
+        Whether each decision is right: no bin is worth more for the object's class.
+    confusion
+        Number of objects by bin and true class, shape (B, L).
     beliefs
         (object, probabilities of all classes) after each scan for each position.
     """
@@ -50,12 +56,35 @@ class SortedRun:
     true: tuple[int, ...]
     steps: int
     decisions: tuple[tuple[int, int | None, float], ...]
+    right: tuple[bool, ...]
+    confusion: tuple[tuple[int, ...], ...]
     beliefs: tuple[tuple[int, tuple[float, ...]], ...]
+
+    @classmethod
+    def of(
+        cls,
+        model: SortingModel,
+        true: Sequence[int],
+        steps: int,
+        decisions: Sequence[tuple[int, int | None, float]],
+        beliefs: Sequence[tuple[int, tuple[float, ...]]],
+    ) -> "SortedRun":
+        """Return a run whose decisions are compared with the true classes; parameters as the attributes."""
+        right = right_bins(model)
+        counts = confusion([(number, bin) for number, bin, _ in decisions], true.__getitem__, model)
+        return cls(
+            tuple(true),
+            steps,
+            tuple(decisions),
+            tuple(bin is not None and bool(right[bin, true[number]]) for number, bin, _ in decisions),
+            tuple(map(tuple, counts.tolist())),
+            tuple(beliefs),
+        )
 
     @property
     def correct(self) -> int:
         """Number of right decisions."""
-        return sum(self.true[number] == label for number, label, _ in self.decisions)
+        return sum(self.right)
 
 
 def run_in(entries: Sequence[Entry], true: Sequence[int]) -> SortedRun:
@@ -68,7 +97,8 @@ def run_in(entries: Sequence[Entry], true: Sequence[int]) -> SortedRun:
     true
         Class index of each object that was to be sorted; beliefs about further ones are left out.
     """
-    beliefs, decisions = [], []
+    beliefs: list[tuple[int, tuple[float, ...]]] = []
+    decisions: list[tuple[int, int | None, float]] = []
     for entry in entries:
         first = entry.object or 0
         match entry.content:
@@ -77,7 +107,8 @@ def run_in(entries: Sequence[Entry], true: Sequence[int]) -> SortedRun:
                 beliefs += [(number, tuple(row)) for number, row in rows if number < len(true)]
             case Decided(label, belief=probability):
                 decisions.append((first, label, probability))
-    return SortedRun(tuple(true), Progress.after(entries).steps, tuple(decisions), tuple(beliefs))
+    progress = Progress.after(entries)
+    return SortedRun.of(progress.model, true, progress.steps, decisions, beliefs)
 
 
 def sort_many(
@@ -152,7 +183,7 @@ def _sorted(config: CellConfig, database: NearestNeighbour, seed: int, work: tup
     model, rng = SortingModel.from_json(text), generator(seed, CALIBRATION_STREAM, number)
     places = RUN_LENGTH + config.layout.positions - 1 + config.upstream
     true = rng.choice(len(model.classes), size=places, p=model.arrival).tolist()
-    cell = SimulatedCell(true, config, int(rng.integers(2**63)))
+    cell = SimulatedCell(true, config, int(rng.integers(2**63)), bin_names=model.bins)
     perceive = Perception(config.layout, database)
     planner = Despot(model, seed=number, trials=DEFAULT_TRIALS, threads=1)
     with TemporaryDirectory() as folder:
@@ -163,11 +194,11 @@ def _sorted(config: CellConfig, database: NearestNeighbour, seed: int, work: tup
 
 
 def decision_pairs(runs: Sequence[SortedRun]) -> Pairs:
-    """Return the belief in each decision, and whether it was right."""
+    """Return the probability that each decision is right, and whether it was."""
     rows = [
-        (belief, run.true[number] == label, n * RUN_LENGTH + number)
+        (belief, right, n * RUN_LENGTH + number)
         for n, run in enumerate(runs)
-        for number, label, belief in run.decisions
+        for (number, _, belief), right in zip(run.decisions, run.right, strict=True)
     ]
     beliefs, true, objects = zip(*rows, strict=True)
     return Pairs(np.array([beliefs]).T, np.array([true]).T, objects, RUN_LENGTH * len(runs))

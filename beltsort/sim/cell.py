@@ -36,11 +36,20 @@ class SimulatedCell:
         Seed, at least 0.
     placement
         Transforms between belt, robot's world and flange; poses are reported in the robot's world frame.
+    bin_names
+        Names of the bins; those of the classes by default.
+
+    Raises
+    ------
+    CellError
+        If a true label is no class, or the reject bin of the configuration is one of the bins.
 
     Attributes
     ----------
     bins
-        The objects sorted so far, in order: (object number, label).
+        The objects sorted so far, in order: (object number, index of the bin).
+    bin_names
+        Names of the bins, without the reject bin.
     clock
         Simulated time, seconds.
 
@@ -61,8 +70,15 @@ class SimulatedCell:
         config: CellConfig | None = None,
         seed: int = 0,
         placement: Placement | None = None,
+        bin_names: Sequence[str] | None = None,
     ) -> None:
         self._config = CellConfig() if config is None else config
+        self.bin_names = tuple(self._config.classes if bin_names is None else bin_names)
+        if self.reject_bin is not None and self.reject_bin < len(self.bin_names):
+            raise CellError(
+                f"reject_bin is {self.reject_bin}, expected None or at least {len(self.bin_names)}, the "
+                f"number of bins ({', '.join(self.bin_names)}); choose another"
+            )
         self._world = World(true_labels, self._config, seed)
         self._seed, self._placement = seed, placement or Placement()
         self._done: dict[str, tuple[tuple[str, int], float]] = {}
@@ -77,7 +93,7 @@ class SimulatedCell:
 
     @property
     def classes(self) -> tuple[str, ...]:
-        """Names of the object classes, one bin each."""
+        """Names of the object classes."""
         return self._config.classes
 
     @property
@@ -130,6 +146,10 @@ class SimulatedCell:
     def position(self) -> int:
         """Return the number of the object at the belt end."""
         return self._world.first
+
+    def true_class(self, index: int) -> int | None:
+        """Return the class index of object `index`; None for an empty cup."""
+        return self._world.true_class(index)
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command."""
@@ -198,14 +218,14 @@ class SimulatedCell:
         return points
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
-        """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`.
+        """Put the object at the belt end into bin `label`, an index into `bin_names`, or into `reject_bin`.
 
         If the cup is empty, nothing is put into a bin.
         """
-        if not 0 <= label < len(self.classes) and label != self.reject_bin:
+        if not 0 <= label < len(self.bin_names) and label != self.reject_bin:
             raise CommandError(
-                f"label is {label}, expected a bin from 0 to {len(self.classes) - 1} "
-                f"({', '.join(self.classes)}) or the reject bin ({self.reject_bin})",
+                f"label is {label}, expected a bin from 0 to {len(self.bin_names) - 1} "
+                f"({', '.join(self.bin_names)}) or the reject bin ({self.reject_bin})",
                 Outcome.NOT_DONE,
             )
 

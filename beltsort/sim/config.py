@@ -99,7 +99,7 @@ class CellConfig:
     Attributes
     ----------
     classes
-        Names of the object classes, one bin each.
+        Names of the object classes.
     meshes
         Mesh files by class, instead of the built-in shape; required for classes without a built-in shape.
     size_spread
@@ -109,7 +109,7 @@ class CellConfig:
     upstream
         Number of cups upstream of the last position that are simulated, since they are visible too.
     reject_bin
-        Label under which `sort` accepts undecided objects, or None.
+        Bin index under which `sort` accepts undecided objects, or None.
     move_seconds, scan_seconds, sort_seconds, advance_seconds
         Duration of each action on the simulated clock.
     """

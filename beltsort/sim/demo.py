@@ -7,14 +7,16 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import beltsort
 from beltsort.perception import Perception
+from beltsort.planning.decisions import right_bins
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.prepare import Prepared
 from beltsort.sorting.belief_figure import draw_belief
 from beltsort.sorting.journal import Listener, read_journal
-from beltsort.sorting.report import SortingReport
+from beltsort.sorting.report import SortingReport, confusion
 from beltsort.sorting.runs import JOURNAL, plain_decision, sort_into
 
 OBJECTS = 10
@@ -49,7 +51,13 @@ class DemoResult:
     @property
     def correct(self) -> int:
         """Number of correct decisions."""
-        return sum(d.label == self.true_labels[d.object] for d in self.report.decisions)
+        return int(self.confusion[right_bins(self.model)].sum())
+
+    @property
+    def confusion(self) -> NDArray[np.uint64]:
+        """Number of objects by bin and true class, shape (B, L)."""
+        decisions = ((d.object, d.label) for d in self.report.decisions)
+        return confusion(decisions, self.true_labels.__getitem__, self.model)
 
 
 def true_labels(seed: int, classes: tuple[str, ...]) -> tuple[int, ...]:
@@ -119,12 +127,13 @@ def as_json(result: DemoResult, seed: int) -> dict[str, Any]:
     """Return the results as plain data."""
     classes = result.model.classes
     decisions = [
-        {"true": classes[result.true_labels[d.object]], **plain_decision(d, classes)}
+        {"true": classes[result.true_labels[d.object]], **plain_decision(d, result.model.bins)}
         for d in result.report.decisions
     ]
     return {
         "steps": result.report.steps,
         "correct": result.correct,
+        "confusion": result.confusion.tolist(),
         "decisions": decisions,
         "model": json.loads(result.model.to_json()),
         "seconds": {name: round(value, 3) for name, value in result.seconds.items()},

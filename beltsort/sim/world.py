@@ -62,7 +62,7 @@ class World:
     def remove_object(self) -> bool:
         """Remove the object at the belt end; return whether there was one in the cup."""
         self._removed, self._scene = True, None
-        return self._label(self.first) is not None
+        return self.true_class(self.first) is not None
 
     def steps_to(self, index: int) -> int:
         """Return the number of positions by which the belt must move to bring object `index` to its end."""
@@ -92,7 +92,7 @@ class World:
     def _object(self, position: int) -> Mesh | None:
         """Return the object in the cup at a position, drawn when first needed; None if the cup is empty."""
         number = self.first + position
-        label = self._label(number)
+        label = self.true_class(number)
         if label is None or (position == 0 and self._removed):
             return None
         if number not in self._objects:
@@ -106,7 +106,8 @@ class World:
         start, end = -spacing / 2.0, (positions - 0.5) * spacing
         return np.array([[start, -half, 0.0], [end, -half, 0.0], [end, half, 0.0], [start, half, 0.0]])
 
-    def _label(self, number: int) -> int | None:
+    def true_class(self, number: int) -> int | None:
+        """Return the class index of an object by its number; None for an empty cup."""
         index = number - self.start
         return self._labels[index] if index < len(self._labels) else None
 

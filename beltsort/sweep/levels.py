@@ -10,6 +10,7 @@ import numpy as np
 import beltsort
 from beltsort import Policy, SortingModel
 from beltsort.errors import SweepError
+from beltsort.planning.decisions import right_bins
 from beltsort.planning.named_policy import named_policy
 from beltsort.sim import CellConfig
 from beltsort.sim.prepare import Prepared, Recipe, StageProgress, prepare
@@ -49,6 +50,7 @@ def scan_point(point: Point) -> dict[str, int | float]:
     from beltsort.sim import SimulatedCell
     from beltsort.sorting.journal import Journal
     from beltsort.sorting.loop import sort_objects
+    from beltsort.sorting.report import confusion
 
     _check_inputs(point)
     settings = section_of(point, "scans")
@@ -57,16 +59,17 @@ def scan_point(point: Point) -> dict[str, int | float]:
     model = model_of(point, prepared)
     classes = _indices(settings["drawn_from"], model) or range(len(model.classes))
     labels = [int(i) for i in np.random.default_rng(drawing).choice(list(classes), settings["objects"])]
-    cell, perception = SimulatedCell(labels, config, seed=world), Perception(config.layout, prepared.database)
+    cell = SimulatedCell(labels, config, seed=world, bin_names=model.bins)
+    perception = Perception(config.layout, prepared.database)
     with TemporaryDirectory() as folder, Journal(Path(folder) / "journal.sqlite") as journal:
         report = sort_objects(
             cell, perception, policy_of(point, model, planning), model, journal, objects=len(labels)
         )
-    decided = [d for d in report.decisions if d.label is not None]
+    decided = [(d.object, d.label) for d in report.decisions if d.label is not None]
     return {
         "steps": report.steps,
         "decided": len(decided),
-        "correct": sum(d.label == labels[d.object] for d in decided),
+        "correct": int(confusion(decided, labels.__getitem__, model)[right_bins(model)].sum()),
         "skipped": len(report.skipped),
         "looks": sum(d.looks for d in report.decisions),
     }
