@@ -1,7 +1,7 @@
-"""A run of ten objects that kills itself: `python -m tests.sorting.killed_run FOLDER POINT [resume]`.
+"""A run of ten objects that kills itself: `python -m tests.sorting.killed_run FOLDER POINT [resume] [plant]`.
 
 POINT is `entry:N` (when entry N has been written), `act:N` (when the world has carried out its N-th command,
-before anyone knows) or `never`.
+before anyone knows) or `never`. With `plant`, the model's labels and bins are not its classes.
 """
 
 import os
@@ -21,6 +21,7 @@ from beltsort.sorting.journal import Entry, Journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
+from tests.sorting.plant import Levels, plant
 from tests.sorting.scripted_cell import Glimpsed
 
 MODEL = beltsort.SortingModel.load("tests/fixtures/paper.json").replace(r_min=20)
@@ -37,17 +38,25 @@ class FileWorld:
     A label is drawn by (seed, object at the belt end, scan since the belt moved, position).
     """
 
-    def __init__(self, path: Path, scans: int = 0, kill_at: int | None = None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        scans: int = 0,
+        kill_at: int | None = None,
+        model: beltsort.SortingModel = MODEL,
+    ) -> None:
         self.database = sqlite3.connect(path, isolation_level=None)
         self.database.execute(
             "CREATE TABLE IF NOT EXISTS acts "
             "(number INTEGER PRIMARY KEY, id TEXT UNIQUE, name TEXT, target INTEGER)"
         )
         self.scans, self.kill_at = scans, kill_at
-        self.true = np.random.default_rng(SEED).integers(len(MODEL.classes), size=OBJECTS + 2)
+        self.p_obs, kinds = model.p_obs, model.p_obs.shape[2]
+        self.true = np.random.default_rng(SEED).integers(kinds, size=OBJECTS + 2)
+        self.classes, self.viewpoints, self.bin_names = model.classes, model.viewpoints, model.bins
+        self.layout = BeltLayout(positions=model.positions)
 
-    classes, viewpoints, reject_bin = MODEL.classes, MODEL.viewpoints, None
-    layout = BeltLayout(positions=MODEL.positions)
+    reject_bin = None
 
     @property
     def arm(self) -> Self:
@@ -93,9 +102,10 @@ class FileWorld:
         """A scan whose points are the labels: perception reads them back."""
         first, viewpoint = len(self.acts("advance")), self.acts("move")[-1]
         labels = []
-        for j in range(MODEL.positions):
+        for j in range(self.layout.positions):
             rng = np.random.default_rng((SEED, first, self.scans, j))
-            labels.append(rng.choice(len(MODEL.classes), p=MODEL.p_obs[j, viewpoint, self.true[first + j]]))
+            chances = self.p_obs[j, viewpoint, self.true[first + j]]
+            labels.append(rng.choice(len(chances), p=chances))
         self.scans += 1
         return Scan(np.array([[label, 0.0, 0.0] for label in labels]), np.eye(4), stamp=not_before)
 
@@ -104,11 +114,11 @@ def perceive(scan: Scan) -> list[Glimpsed]:
     return [Glimpsed(label=int(label), empty=False) for label in scan.points[:, 0]]
 
 
-def planner() -> beltsort.Despot:
-    return beltsort.Despot(MODEL, trials=20, scenarios=100, seed=1)
+def planner(model: beltsort.SortingModel = MODEL) -> beltsort.Despot:
+    return beltsort.Despot(model, trials=20, scenarios=100, seed=1)
 
 
-def run(folder: Path, point: str, *, resume: bool) -> SortingReport:
+def run(folder: Path, point: str, *, resume: bool, model: beltsort.SortingModel = MODEL) -> SortingReport:
     kind, _, number = point.partition(":")
 
     def listener(entry: Entry) -> None:
@@ -117,12 +127,14 @@ def run(folder: Path, point: str, *, resume: bool) -> SortingReport:
 
     path = folder / "journal.sqlite"
     scans = progress_in(path).scans if resume else 0
-    world = FileWorld(folder / "world.sqlite", scans, int(number) if kind == "act" else None)
+    world = FileWorld(folder / "world.sqlite", scans, int(number) if kind == "act" else None, model)
+    seen = perceive if model is MODEL else Levels()
     with Journal(path, listener, resume=resume) as journal:
         if resume:
-            return resume_sorting(world, perceive, planner(), journal)
-        return sort_objects(world, perceive, planner(), MODEL, journal, objects=OBJECTS, belt_ends=True)
+            return resume_sorting(world, seen, planner(model), journal)
+        return sort_objects(world, seen, planner(model), model, journal, objects=OBJECTS, belt_ends=True)
 
 
 if __name__ == "__main__":
-    run(Path(sys.argv[1]), sys.argv[2], resume="resume" in sys.argv)
+    model = plant() if "plant" in sys.argv else MODEL
+    run(Path(sys.argv[1]), sys.argv[2], resume="resume" in sys.argv, model=model)

@@ -8,20 +8,22 @@ import numpy as np
 import pytest
 
 from beltsort.errors import JournalError
+from beltsort.sorting.entries import Decided
 from beltsort.sorting.journal import Journal, read_journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from tests.sorting.killed_run import MODEL, OBJECTS, FileWorld, perceive, planner, run
+from tests.sorting.plant import plant
 
 pytestmark = pytest.mark.process
 
 KILLED = -9
 
 
-def killed(folder: Path, point: str, *, resume: bool = False) -> None:
+def killed(folder: Path, point: str, *words: str, resume: bool = False) -> None:
     """Run a process to where it kills itself."""
-    arguments = [sys.executable, "-m", "tests.sorting.killed_run", str(folder), point]
+    arguments = [sys.executable, "-m", "tests.sorting.killed_run", str(folder), point, *words]
     done = subprocess.run([*arguments, *(["resume"] if resume else [])], check=False)
     assert done.returncode == KILLED
 
@@ -90,3 +92,18 @@ def test_a_run_in_small_files_is_resumed_from_the_last_of_them(
     assert (progress.steps, progress.index, progress.done) == (report.steps, OBJECTS, True)
     assert progress.belief.remaining == 0
     assert 0 < len(progress.decisions) < OBJECTS
+
+
+def test_a_killed_run_keeps_bins_that_are_not_classes(tmp_path: Path) -> None:
+    model, whole = plant(), tmp_path / "whole"
+    whole.mkdir()
+    expected = run(whole, "never", resume=False, model=model)
+    entries = read_journal(whole / "journal.sqlite")
+    decided = [entry.number for entry in entries if isinstance(entry.content, Decided)]
+    acts = FileWorld(whole / "world.sqlite").database.execute("SELECT number FROM acts WHERE name = 'sort'")
+    sorts = [number for (number,) in acts]
+    for point in (f"entry:{decided[2]}", f"entry:{decided[4] + 1}", f"act:{sorts[3]}"):
+        here = tmp_path / point.replace(":", "-")
+        here.mkdir()
+        killed(here, point, "plant")
+        check_as_if_uninterrupted(here, run(here, "never", resume=True, model=model), expected)
