@@ -17,7 +17,7 @@ LABELS = tuple(f"{name}, {level}" for name in CLASSES for level in ("unsure", "s
 SEED = 5
 
 
-def plant() -> beltsort.SortingModel:
+def plant(viewpoints: Sequence[str] = ("side", "top")) -> beltsort.SortingModel:
     """Return the model: a wrong bin costs 5, mercury elsewhere 50, and a person 3; spots look in two ways."""
     reward = np.where(np.arange(3)[:, np.newaxis] == BIN_OF, 10.0, -5.0)
     reward[:2, 4:] = -50.0
@@ -26,8 +26,8 @@ def plant() -> beltsort.SortingModel:
         table[kind, 2 * looks_like : 2 * looks_like + 2] += (0.22, 0.3)
     return beltsort.SortingModel(
         CLASSES,
-        ["side", "top"],
-        np.tile(table, (2, 2, 1, 1)),
+        viewpoints,
+        np.tile(table, (2, len(viewpoints), 1, 1)),
         labels=LABELS,
         bins=BINS,
         reward=[*reward.tolist(), [-3.0] * 6],
