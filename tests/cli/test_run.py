@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -87,6 +88,29 @@ def test_true_labels_may_be_given_and_cups_empty(folder: Path, capsys: pytest.Ca
     result = result_of(capsys)
     assert [d["object"] for d in result["decisions"]] == [0]
     assert result["skipped"] == [1, 2], "behind the last object all cups are empty"
+
+
+def test_bins_need_not_be_the_classes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two bins for four classes, and one for a person."""
+    path = folder / "cell" / "model.json"
+    reward = [[10, 10, -20, -20], [-20, -20, 10, 10], [-1, -1, -1, -1]]
+    bins, old = ["long", "round", "by hand"], beltsort.SortingModel.load(path)
+    sets = (old.classes, old.viewpoints, old.p_obs)
+    beltsort.SortingModel(*sets, bins=bins, reward=reward).save(path)
+    objects = ("\nobjects = 10\n", '\nobjects = 3\nbins = {long = 0, "by hand" = 2, round = 1}\n')
+    assert main(["run", cell_file(folder, objects), "--json"]) == 0
+    said = capsys.readouterr()
+    assert "sorting 3 objects: elongated, livarno, mushroom, standard, into long, round, by hand" in said.err
+    result = json.loads(said.out)
+    decided = Counter(d["decided"] for d in result["decisions"])
+    assert result["bins"] == decided
+    assert [sum(row) for row in result["confusion"]] == [decided[name] for name in bins]
+    assert sum(map(sum, result["confusion"])) == 3
+    assert main(["show", result["folder"], "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)["decisions"]
+    assert [d["decided"] for d in shown] == [d["decided"] for d in result["decisions"]]
+    assert main(["run", cell_file(folder), "--objects", "1"]) == exit_codes.WRONG
+    assert "bins: is missing" in capsys.readouterr().err
 
 
 def test_without_live_nothing_real_moves(

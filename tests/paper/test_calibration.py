@@ -4,11 +4,15 @@ import numpy as np
 import pytest
 
 import beltsort
+from beltsort.calibration.check import Arm
 from beltsort.calibration.dependence import ObjectLooks, dependences
 from beltsort.calibration.reliability import Pairs, reliability
-from beltsort.calibration.sorted_runs import run_in
+from beltsort.calibration.simulated_runs import simulate_runs
+from beltsort.calibration.sorted_runs import SortedRun, run_in
+from beltsort.planning.decisions import right_bins
 from beltsort.sorting.entries import AnyContent, Decided, Scanned, Started
 from beltsort.sorting.journal import Entry
+from tests.sorting.plant import plant
 
 
 def pairs(n: int, temper: float) -> Pairs:
@@ -64,3 +68,25 @@ def test_pairs_of_a_run_are_its_journal() -> None:
     assert run.beliefs == ((0, (0.8, 0.2)),)
     assert run.decisions == ((0, 0, 0.8),)
     assert run.correct == 1
+
+
+def test_a_decision_is_believed_as_its_bin_is_right() -> None:
+    model = plant()
+    runs = simulate_runs(model, objects=200, seed=1, workers=1)
+    counts = np.sum([run.confusion for run in runs], axis=0)
+    assert counts.shape == (4, 6)
+    assert counts.sum() == 200
+    right = sum(run.correct for run in runs)
+    assert right == counts[right_bins(model)].sum() > 100
+    believed = [belief for run in runs for *_, belief in run.decisions]
+    spread = np.sqrt(sum(belief * (1.0 - belief) for belief in believed))
+    assert abs(sum(believed) - right) < 4.0 * spread
+    arm = Arm.of(runs)
+    assert arm.to_dict()["confusion"] == counts.tolist()
+    assert arm.curves["decisions"].pairs == 200
+
+
+def test_an_object_in_the_reject_bin_is_not_right() -> None:
+    model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
+    run = SortedRun.of(model, [0, 1], 4, [(0, None, 0.6), (1, 1, 0.9)], [])
+    assert (run.right, run.correct, run.confusion) == ((False, True), 1, ((0, 0), (0, 1)))

@@ -181,6 +181,17 @@ def test_a_reject_bin_takes_undecided_objects() -> None:
     assert cell.bins == [(0, 4)]
 
 
+def test_bins_need_not_be_the_classes() -> None:
+    cell = SimulatedCell([3, 0], CellConfig(reject_bin=4), bin_names=["glass", "by hand"])
+    cell.sort(1, "sort")
+    assert cell.bins == [(0, 1)]
+    with pytest.raises(CellError, match=r"\blabel\b.*\b2\b.*\b0 to 1 \(glass, by hand\).*\b4\b"):
+        cell.sort(2, "another")
+    assert [cell.true_class(number) for number in (0, 1, 2)] == [3, 0, None]
+    with pytest.raises(CellError, match=r"\breject_bin\b.*\b4\b.*\b5\b.*\(a, b, c, d, e\)"):
+        SimulatedCell([0], CellConfig(reject_bin=4), bin_names="abcde")
+
+
 def sort_twice(cell: SimulatedCell) -> None:
     cell.sort(0, "one")
     cell.sort(0, "two")

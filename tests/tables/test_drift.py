@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from beltsort import ArgumentError, Belief, SortingModel
 from beltsort.tables import Alarm, DriftWatch
 from tests.cli.running import PAPER
+from tests.sorting.plant import plant
 
 SURE = 0.94  # the belief at which objects are decided
 
@@ -164,3 +165,19 @@ def test_what_does_not_fit_is_refused() -> None:
             watch.observe(Belief(MODEL), 0, labels)
     with pytest.raises(ArgumentError, match=r"viewpoint 3\b.*\bp1, p2, p3\b"):
         watch.observe(Belief(MODEL), 3, [0, 0])
+
+
+def test_labels_need_not_be_the_classes() -> None:
+    model, rng = plant(), np.random.default_rng(3)
+    watch, belief = DriftWatch(model, false_alarm=0.01), Belief(model)
+    for _ in range(200):
+        predicted = belief.label_probabilities(1)
+        watch.observe(belief, 1, [int(rng.choice(12, p=row / row.sum())) for row in predicted])
+    assert watch.alarms == []
+    again = DriftWatch.of_state(model, watch.state())
+    while not watch.alarms:
+        watch.observe(belief, 1, [11, 11])
+        again.observe(belief, 1, [11, 11])
+    assert again.alarms == watch.alarms
+    with pytest.raises(ArgumentError, match=r"\b12\b.*\b0 to 11\b"):
+        watch.observe(belief, 1, [12, 0])
