@@ -58,7 +58,7 @@ class Ros1Sorter(Ros1Device):
         return _outcome(known[-1]) if known else Outcome.UNKNOWN
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
-        """Put the object at the belt end into the bin of class `label`, or into the cell's `reject_bin`.
+        """Put the object at the belt end into bin number `label`.
 
         Raises
         ------
