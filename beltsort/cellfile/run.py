@@ -18,7 +18,7 @@ from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.simulated import trainable_config
 from beltsort.errors import CellError
-from beltsort.perception import Classifier, Perception, PerceptionConfig, load_classifier
+from beltsort.perception import Classifier, PerceptionConfig, load_classifier, perception_for
 from beltsort.sim.prepare import Recipe, StageProgress, prepare
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listener
@@ -92,7 +92,8 @@ class CellRun:
 
     def _sort(self, listener: Listener | None, operator: Operator, check: Check) -> SortingReport:
         description = self.description
-        perception = Perception(description.layout, self.classifier, description.perception)
+        settings = description.perception
+        perception = perception_for(self.model, description.layout, self.classifier, settings)
         planner = Despot(self.model, **description.planner.settings())
         if self.broken_off is not None:
             with Journal(self.folder / JOURNAL, listener, resume=True) as journal:

@@ -171,6 +171,8 @@ class LabelRule:
 def rule_of(model: beltsort.SortingModel) -> LabelRule:
     """Return the rule that makes the labels of a model: its `label_rule`, or the classes if it has none.
 
+    The rule need not know the model's class for empty cups, nor make a label of its name.
+
     Raises
     ------
     ArgumentError
@@ -178,12 +180,18 @@ def rule_of(model: beltsort.SortingModel) -> LabelRule:
     """
     kept = model.label_rule
     rule = LabelRule(tuple(model.classes)) if kept is None else LabelRule.from_dict(kept)
-    if list(rule.classes) != model.classes or list(rule.labels) != model.labels:
+    classes, labels = (without(model.empty, names) for names in (model.classes, model.labels))
+    if without(model.empty, rule.classes) != classes or without(model.empty, rule.labels) != labels:
         raise beltsort.ArgumentError(
             f"the model's labels are {model.labels}, expected {list(rule.labels)}, those of its "
             f"{'classes' if kept is None else 'label_rule'}: estimate tables and rule together"
         )
     return rule
+
+
+def without(empty: str | None, names: Sequence[str]) -> list[str]:
+    """Return names without that of the class for empty cups."""
+    return [name for name in names if name != empty]
 
 
 def score_of(match: Match, score: Score) -> float:

@@ -46,7 +46,7 @@ def table_point(point: Point) -> dict[str, float | None]:
 
 def scan_point(point: Point) -> dict[str, int | float]:
     """Sort objects in the simulated cell, from scans to decisions, and return the counts."""
-    from beltsort.perception import Perception
+    from beltsort.perception import perception_for
     from beltsort.sim import SimulatedCell
     from beltsort.sorting.journal import Journal
     from beltsort.sorting.loop import sort_objects
@@ -60,7 +60,7 @@ def scan_point(point: Point) -> dict[str, int | float]:
     classes = _indices(settings["drawn_from"], model) or range(len(model.classes))
     labels = [int(i) for i in np.random.default_rng(drawing).choice(list(classes), settings["objects"])]
     cell = SimulatedCell(labels, config, seed=world, bin_names=model.bins)
-    perception = Perception(config.layout, prepared.database)
+    perception = perception_for(model, config.layout, prepared.database)
     with TemporaryDirectory() as folder, Journal(Path(folder) / "journal.sqlite") as journal:
         report = sort_objects(
             cell, perception, policy_of(point, model, planning), model, journal, objects=len(labels)

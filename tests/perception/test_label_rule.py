@@ -20,6 +20,7 @@ from beltsort.perception import (
     NearestNeighbour,
     Perception,
     leave_one_out,
+    perception_for,
     rule_of,
 )
 from beltsort.perception.label_rule import LEVEL_NAMES, score_of
@@ -220,6 +221,20 @@ def test_a_model_keeps_its_rule() -> None:
     assert rule_of(model) == rule_of(beltsort.SortingModel.from_json(model.to_json())) == rule
     plain = beltsort.SortingModel(["a", "b"], ["above"], [[[[0.5, 0.5], [0.1, 0.9]]]])
     assert rule_of(plain) == LabelRule(("a", "b"))
+
+
+def test_a_rule_need_not_know_empty_cups() -> None:
+    rule, p_obs = LabelRule(tuple(CLASSES), (0.3,)), np.full((1, 1, 4, 7), 1.0 / 7.0)
+    model = beltsort.SortingModel(
+        [*CLASSES, "none"],
+        ["above"],
+        p_obs,
+        labels=[*rule.labels, "none"],
+        label_rule=rule.to_dict(),
+        empty="none",
+    )
+    assert rule_of(model) == rule
+    assert perception_for(model, BeltLayout(), database()).labels == rule.labels
 
 
 @pytest.mark.parametrize(
