@@ -50,7 +50,6 @@ def scan_point(point: Point) -> dict[str, int | float]:
     from beltsort.sim import SimulatedCell
     from beltsort.sorting.journal import Journal
     from beltsort.sorting.loop import sort_objects
-    from beltsort.sorting.report import confusion
 
     _check_inputs(point)
     settings = section_of(point, "scans")
@@ -65,11 +64,11 @@ def scan_point(point: Point) -> dict[str, int | float]:
         report = sort_objects(
             cell, perception, policy_of(point, model, planning), model, journal, objects=len(labels)
         )
-    decided = [(d.object, d.label) for d in report.decisions if d.label is not None]
+    right, decided = right_bins(model), [d for d in report.decisions if d.label is not None]
     return {
         "steps": report.steps,
         "decided": len(decided),
-        "correct": int(confusion(decided, labels.__getitem__, model)[right_bins(model)].sum()),
+        "correct": sum(bool(right[d.label, labels[d.object]]) for d in decided),
         "skipped": len(report.skipped),
         "looks": sum(d.looks for d in report.decisions),
     }
