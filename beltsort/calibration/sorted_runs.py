@@ -16,7 +16,7 @@ import numpy as np
 
 from beltsort import ArgumentError, Despot, SortingModel
 from beltsort.calibration.reliability import Pairs
-from beltsort.perception import NearestNeighbour, Perception, rule_of
+from beltsort.perception import NearestNeighbour, perception_for
 from beltsort.planning.decisions import right_bins
 from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.sim import CellConfig
@@ -184,7 +184,7 @@ def _sorted(config: CellConfig, database: NearestNeighbour, seed: int, work: tup
     places = RUN_LENGTH + config.layout.positions - 1 + config.upstream
     true = rng.choice(len(model.classes), size=places, p=model.arrival).tolist()
     cell = SimulatedCell(true, config, int(rng.integers(2**63)), bin_names=model.bins)
-    perceive = Perception(config.layout, database, rule=rule_of(model))
+    perceive = perception_for(model, config.layout, database)
     planner = Despot(model, seed=number, trials=DEFAULT_TRIALS, threads=1)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "journal.sqlite"

@@ -16,11 +16,10 @@ from beltsort.cellfile.check import CellCheck, ask_health
 from beltsort.cellfile.composed import ComposedCell, compose
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
-from beltsort.cellfile.sections import Prepare
 from beltsort.cellfile.simulated import trainable_config
 from beltsort.errors import CellError
-from beltsort.perception import Classifier, Perception, PerceptionConfig, load_classifier, rule_of
-from beltsort.sim.prepare import Prepared, Recipe, StageProgress, prepare
+from beltsort.perception import Classifier, PerceptionConfig, load_classifier, perception_for
+from beltsort.sim.prepare import Recipe, StageProgress, prepare
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listener
 from beltsort.sorting.locks import devices_locked, locked
@@ -93,8 +92,8 @@ class CellRun:
 
     def _sort(self, listener: Listener | None, operator: Operator, check: Check) -> SortingReport:
         description = self.description
-        rule = rule_of(self.model)
-        perception = Perception(description.layout, self.classifier, description.perception, rule)
+        settings = description.perception
+        perception = perception_for(self.model, description.layout, self.classifier, settings)
         planner = Despot(self.model, **description.planner.settings())
         if self.broken_off is not None:
             with Journal(self.folder / JOURNAL, listener, resume=True) as journal:
@@ -172,7 +171,9 @@ def open_run(
         If a file cannot be read.
     """
     broken_off = None if resume is None else progress_in(resume / JOURNAL)
-    model = _model_file(description) if broken_off is None else broken_off.model
+    model = None if broken_off is None else broken_off.model
+    if model is None and description.prepare is None:
+        model = _model_file(description)
     if model is not None:
         description = with_bins_of(model, description)
     calls = CallLog(runs / run_name() if resume is None else resume)
@@ -186,12 +187,7 @@ def open_run(
         restore(devices, broken_off)
     if cell.dry_run and resume is None:
         calls.folder = runs / f"{calls.folder.name}{DRY_RUN}"
-    if model is None or description.prepare is not None:
-        prepared = _prepared(description, progress)
-        model = model or prepared.counts.model(description.classes, description.viewpoint_names)
-        classifier: Classifier = prepared.database
-    else:
-        classifier = _classifier(description)
+    model, classifier = _model_and_classifier(description, model, progress)
     return CellRun(
         description,
         cell,
@@ -305,23 +301,21 @@ def confusion_of(run: CellRun, report: SortingReport) -> NDArray[np.uint64] | No
     return None
 
 
-def _model_file(description: CellDescription) -> SortingModel | None:
-    """Load the model that a cell file names; None if a simulated cell is prepared instead."""
-    if description.prepare is not None:
-        return None
+def _model_file(description: CellDescription) -> SortingModel:
+    """Load the model that a cell file names."""
     return SortingModel.load(description.path(description.model or ""))
 
 
-def _prepared(description: CellDescription, progress: StageProgress | None) -> Prepared:
-    """Prepare a simulated cell."""
-    perception = description.perception or PerceptionConfig()
-    amounts = Prepare() if description.prepare is None else description.prepare
-    recipe = Recipe(trainable_config(description), perception, **amounts.model_dump())
-    return prepare(recipe, progress=progress)
-
-
-def _classifier(description: CellDescription) -> Classifier:
-    """Load the classifier that a cell file names."""
+def _model_and_classifier(
+    description: CellDescription, model: SortingModel | None, progress: StageProgress | None
+) -> tuple[SortingModel, Classifier]:
+    """Load the files of the cell file, or prepare a simulated cell; a model that is given is kept."""
+    if description.prepare is not None:
+        perception = description.perception or PerceptionConfig()
+        amounts = description.prepare.model_dump()
+        prepared = prepare(Recipe(trainable_config(description), perception, **amounts), progress=progress)
+        own = prepared.counts.model(description.classes, description.viewpoint_names)
+        return model or own, prepared.database
     classifier = load_classifier(description.classifier or "", description.path(""))
     if tuple(classifier.classes) != description.classes:
         raise CellFileError.of(
@@ -329,4 +323,4 @@ def _classifier(description: CellDescription) -> Classifier:
             f"knows the classes {list(classifier.classes)}, expected {list(description.classes)}, in this "
             "order: train it on these",
         )
-    return classifier
+    return model or _model_file(description), classifier

@@ -101,8 +101,8 @@ class EntryFormatter:
 
     def _start(self, first: Started | Snapshot | Resumed) -> str:
         model = SortingModel.from_json(first.model)
-        self.classes, self.viewpoints = list(model.classes), list(model.viewpoints)
-        self.labels, self.bins = list(model.labels), list(model.bins)
+        self.classes, self.viewpoints = model.classes, model.viewpoints
+        self.labels, self.bins = model.labels, model.bins
         self._arrival = model.arrival.tolist()
         self.belief = [self._arrival] * model.positions
         into = "" if self.bins == self.classes else f", into {', '.join(self.bins)}"

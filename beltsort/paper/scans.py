@@ -19,7 +19,7 @@ from beltsort.paper.instances import OBJECTS, Instance
 from beltsort.paper.labels import STUDY
 from beltsort.paper.outcomes import Point, Row
 from beltsort.paper.policies import BATCH, RECOMMENDED
-from beltsort.perception import NearestNeighbour, Perception, rule_of
+from beltsort.perception import NearestNeighbour, perception_for
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.loop import sort_objects
@@ -106,7 +106,7 @@ def sort_batch(point: Mapping[str, Any], journal: Path) -> Row:
     model = SortingModel.from_json(point["model"])
     true = true_labels(point, model)
     cell = SimulatedCell(true, cell_with(model.positions), seed=point["seed"])
-    perception = Perception(cell.layout, _classifier(point["database"]), rule=rule_of(model))
+    perception = perception_for(model, cell.layout, _classifier(point["database"]))
     planner = _planner(point["model"], point["trials"])
     with Journal(journal) as written:
         report = sort_objects(cell, perception, planner, model, written, objects=BATCH)

@@ -12,7 +12,7 @@ from beltsort.perception.label_rule import LabelRule, rule_of
 from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold
 from beltsort.perception.named_classifier import load_classifier
 from beltsort.perception.nearest import NearestNeighbour
-from beltsort.perception.pipeline import Perceived, Perception
+from beltsort.perception.pipeline import Perceived, Perception, perception_for
 from beltsort.perception.probabilities import FromProbabilities, ProbabilityClassifier
 from beltsort.perception.segment import Segmented, segment
 from beltsort.perception.training import Trained, train_from_clouds
@@ -39,6 +39,7 @@ __all__ = [
     "leave_one_out",
     "load_classifier",
     "oriented_normals",
+    "perception_for",
     "read_cloud",
     "rejection_threshold",
     "rule_of",

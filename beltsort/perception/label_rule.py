@@ -168,23 +168,30 @@ class LabelRule:
         return validated(cls, given, _no_rule)
 
 
-def rule_of(model: beltsort.SortingModel) -> LabelRule | None:
-    """Return the rule that makes the labels of a model: its `label_rule`, None if it has none.
+def rule_of(model: beltsort.SortingModel) -> LabelRule:
+    """Return the rule that makes the labels of a model: its `label_rule`, or the classes if it has none.
+
+    The rule need not know the model's class for empty cups, nor make a label of its name.
 
     Raises
     ------
     ArgumentError
         If the rule is not valid, or makes other labels than the model's.
     """
-    if model.label_rule is None:
-        return None
-    rule = LabelRule.from_dict(model.label_rule)
-    if list(rule.classes) != model.classes or list(rule.labels) != model.labels:
+    kept = model.label_rule
+    rule = LabelRule(tuple(model.classes)) if kept is None else LabelRule.from_dict(kept)
+    classes, labels = (without(model.empty, names) for names in (model.classes, model.labels))
+    if without(model.empty, rule.classes) != classes or without(model.empty, rule.labels) != labels:
         raise beltsort.ArgumentError(
-            f"the model's labels are {model.labels}, expected {list(rule.labels)}, those of its label_rule: "
-            "estimate tables and rule together"
+            f"the model's labels are {model.labels}, expected {list(rule.labels)}, those of its "
+            f"{'classes' if kept is None else 'label_rule'}: estimate tables and rule together"
         )
     return rule
+
+
+def without(empty: str | None, names: Sequence[str]) -> list[str]:
+    """Return names without that of the class for empty cups."""
+    return [name for name in names if name != empty]
 
 
 def score_of(match: Match, score: Score) -> float:

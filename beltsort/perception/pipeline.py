@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, fields
 
+from beltsort import SortingModel
 from beltsort.errors import DatabaseError
 from beltsort.geometry import BeltLayout, Points
 from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.finding import Finding
-from beltsort.perception.label_rule import LabelRule
+from beltsort.perception.label_rule import LabelRule, rule_of
 from beltsort.perception.named_classifier import as_classifier
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.probabilities import ProbabilityClassifier
@@ -131,3 +132,29 @@ class Perception:
         if points is not None and finding is Finding.OBJECT:
             match = self.classifier.classify(points, camera)
         return Perceived(position, points, self.rule.label(match, finding), match, finding)
+
+
+def perception_for(
+    model: SortingModel,
+    layout: BeltLayout,
+    classifier: Classifier | ProbabilityClassifier,
+    config: PerceptionConfig | None = None,
+) -> Perception:
+    """Return the perception that gives the labels of a model.
+
+    Parameters
+    ----------
+    model
+        The model. If it keeps a `label_rule`, this rule makes the labels; otherwise they are the classifier's
+        classes.
+    layout, classifier, config
+        As in `Perception`.
+
+    Raises
+    ------
+    ArgumentError
+        If the rule is not valid, or makes other labels than the model's.
+    DatabaseError
+        As in `Perception`.
+    """
+    return Perception(layout, classifier, config, None if model.label_rule is None else rule_of(model))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import beltsort
-from beltsort.perception import Perception, rule_of
+from beltsort.perception import Perception
 from beltsort.planning.decisions import right_bins
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.prepare import Prepared
@@ -110,7 +110,7 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
     ready = perf_counter()
     labels = true_labels(seed, config.classes)
     cell = SimulatedCell(labels, config, seed=seed)
-    perception = Perception(config.layout, prepared.database, rule=rule_of(model))
+    perception = Perception(config.layout, prepared.database)
     report = sort_into(folder, cell, perception, planner, model, objects=OBJECTS, listener=listener)
     sorted_at = perf_counter()
     draw_belief(read_journal(folder / JOURNAL), folder / "belief.png")

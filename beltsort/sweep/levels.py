@@ -46,11 +46,10 @@ def table_point(point: Point) -> dict[str, float | None]:
 
 def scan_point(point: Point) -> dict[str, int | float]:
     """Sort objects in the simulated cell, from scans to decisions, and return the counts."""
-    from beltsort.perception import Perception, rule_of
+    from beltsort.perception import perception_for
     from beltsort.sim import SimulatedCell
     from beltsort.sorting.journal import Journal
     from beltsort.sorting.loop import sort_objects
-    from beltsort.sorting.report import confusion
 
     _check_inputs(point)
     settings = section_of(point, "scans")
@@ -60,16 +59,16 @@ def scan_point(point: Point) -> dict[str, int | float]:
     classes = _indices(settings["drawn_from"], model) or range(len(model.classes))
     labels = [int(i) for i in np.random.default_rng(drawing).choice(list(classes), settings["objects"])]
     cell = SimulatedCell(labels, config, seed=world, bin_names=model.bins)
-    perception = Perception(config.layout, prepared.database, rule=rule_of(model))
+    perception = perception_for(model, config.layout, prepared.database)
     with TemporaryDirectory() as folder, Journal(Path(folder) / "journal.sqlite") as journal:
         report = sort_objects(
             cell, perception, policy_of(point, model, planning), model, journal, objects=len(labels)
         )
-    decided = [(d.object, d.label) for d in report.decisions if d.label is not None]
+    right, decided = right_bins(model), [d for d in report.decisions if d.label is not None]
     return {
         "steps": report.steps,
         "decided": len(decided),
-        "correct": int(confusion(decided, labels.__getitem__, model)[right_bins(model)].sum()),
+        "correct": sum(bool(right[d.label, labels[d.object]]) for d in decided),
         "skipped": len(report.skipped),
         "looks": sum(d.looks for d in report.decisions),
     }

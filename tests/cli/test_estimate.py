@@ -103,7 +103,6 @@ def test_with_levels_of_confidence(
     said = capsys.readouterr()
     saved = beltsort.SortingModel.load(model)
     rule = rule_of(saved)
-    assert rule is not None
     assert rule.levels == 2
     assert json.loads(said.out)["labels"] == saved.labels == list(rule.labels)
     assert saved.p_obs.shape == (2, 1, 4, 8)

@@ -14,7 +14,7 @@ import beltsort
 from beltsort.cellfile.registry import BUILT_IN
 from beltsort.cellfile.simulated import BACKEND
 from beltsort.cli import exit_codes, main
-from beltsort.perception import NearestNeighbour
+from beltsort.perception import LabelRule, NearestNeighbour
 from beltsort.sim import CellConfig
 from beltsort.sim.prepare import Prepared, Recipe
 from beltsort.sorting.journal import read_journal
@@ -111,6 +111,20 @@ def test_bins_need_not_be_the_classes(folder: Path, capsys: pytest.CaptureFixtur
     assert [d["decided"] for d in shown] == [d["decided"] for d in result["decisions"]]
     assert main(["run", cell_file(folder), "--objects", "1"]) == exit_codes.WRONG
     assert "bins: is missing" in capsys.readouterr().err
+
+
+def test_a_models_rule_makes_its_labels(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = folder / "cell" / "model.json"
+    old = beltsort.SortingModel.load(path)
+    rule = LabelRule(tuple(old.classes), (0.1,))
+    p_obs = np.repeat(old.p_obs, 2, axis=-1) / 2.0
+    model = beltsort.SortingModel(old.classes, old.viewpoints, p_obs, labels=rule.labels)
+    model.replace(label_rule=rule.to_dict()).save(path)
+    assert main(["run", cell_file(folder), "--objects", "2"]) == 0
+    assert re.search(r"look from p\d: \w+, (un)?sure \| ", capsys.readouterr().out)
+    model.save(path)
+    assert main(["run", cell_file(folder), "--objects", "2"]) == exit_codes.WRONG
+    assert "cannot give ['elongated, unsure', " in capsys.readouterr().err
 
 
 def test_without_live_nothing_real_moves(

@@ -20,6 +20,7 @@ from beltsort.perception import (
     NearestNeighbour,
     Perception,
     leave_one_out,
+    perception_for,
     rule_of,
 )
 from beltsort.perception.label_rule import LEVEL_NAMES, score_of
@@ -219,18 +220,33 @@ def test_a_model_keeps_its_rule() -> None:
     )
     assert rule_of(model) == rule_of(beltsort.SortingModel.from_json(model.to_json())) == rule
     plain = beltsort.SortingModel(["a", "b"], ["above"], [[[[0.5, 0.5], [0.1, 0.9]]]])
-    assert rule_of(plain) is None
+    assert rule_of(plain) == LabelRule(("a", "b"))
+
+
+def test_a_rule_need_not_know_empty_cups() -> None:
+    rule, p_obs = LabelRule(tuple(CLASSES), (0.3,)), np.full((1, 1, 4, 7), 1.0 / 7.0)
+    model = beltsort.SortingModel(
+        [*CLASSES, "none"],
+        ["above"],
+        p_obs,
+        labels=[*rule.labels, "none"],
+        label_rule=rule.to_dict(),
+        empty="none",
+    )
+    assert rule_of(model) == rule
+    assert perception_for(model, BeltLayout(), database()).labels == rule.labels
 
 
 @pytest.mark.parametrize(
     ("kept", "said"),
     [
+        (None, r"\blabels\b.*\['a', 'b', 'c'\].*\['a', 'b'\].*\bclasses\b"),
         ({"classes": ["a", "b"]}, r"\['a', 'b', 'c'\].*\['a', 'b'\].*\blabel_rule\b"),
         ({"classes": ["a", "b", "c"]}, r"\['a', 'b', 'c'\].*\blabel_rule\b"),
         ({"edges": [0.5]}, r"\bclasses\b.*\bmissing\b"),
     ],
 )
-def test_labels_that_the_rule_does_not_make_are_refused(kept: dict[str, Any], said: str) -> None:
+def test_labels_that_the_rule_does_not_make_are_refused(kept: dict[str, Any] | None, said: str) -> None:
     p_obs = np.full((1, 1, 2, 3), 1.0 / 3.0)
     labels = ["a", "b", "c"]
     model = beltsort.SortingModel(["a", "b"], ["above"], p_obs, labels=labels, label_rule=kept)
