@@ -30,7 +30,7 @@ class EntryFormatter:
 
     Attributes
     ----------
-    classes, viewpoints
+    classes, labels, bins, viewpoints
         Names; empty before the first entry.
     belief
         Belief after the last entry: H rows of L probabilities, the belt end first.
@@ -38,6 +38,8 @@ class EntryFormatter:
 
     def __init__(self) -> None:
         self.classes: list[str] = []
+        self.labels: list[str] = []
+        self.bins: list[str] = []
         self.viewpoints: list[str] = []
         self.belief: list[list[float]] = []
         self._arrival: list[float] = []
@@ -90,7 +92,7 @@ class EntryFormatter:
         """Return the text of an action in the journal's format, `{"move": 2}`."""
         if "move" in action:
             return f"look from {self.viewpoints[action['move']]}"
-        return f"decide {self.classes[action['decide']]}"
+        return f"decide {self.bins[action['decide']]}"
 
     def likely(self, row: list[float]) -> str:
         """Return the most likely class of one position and its probability."""
@@ -99,14 +101,15 @@ class EntryFormatter:
 
     def _start(self, first: Started | Snapshot | Resumed) -> str:
         model = SortingModel.from_json(first.model)
-        self.classes, self.viewpoints = list(model.classes), list(model.viewpoints)
+        self.classes, self.viewpoints = model.classes, model.viewpoints
+        self.labels, self.bins = model.labels, model.bins
         self._arrival = model.arrival.tolist()
         self.belief = [self._arrival] * model.positions
         return f"sorting {first.objects} objects: {', '.join(self.classes)}"
 
     def _scan(self, scan: Scanned) -> str:
         seen = [
-            finding if finding != Finding.OBJECT else "?" if label is None else self.classes[label]
+            finding if finding != Finding.OBJECT else "?" if label is None else self.labels[label]
             for label, finding in zip(scan.labels, scan.findings, strict=True)
         ]
         self.belief = scan.belief
@@ -128,7 +131,7 @@ class EntryFormatter:
         return f"warning: labels{where} no longer fit the observation tables; estimate the tables again"
 
     def _decision(self, decided: Decided) -> str:
-        what = "reject" if decided.label is None else f"decide {self.classes[decided.label]}"
+        what = "reject" if decided.label is None else f"decide {self.bins[decided.label]}"
         forced = f", forced by {decided.forced}" if decided.forced else ""
         self._shift()
         return f"{what}  (belief {decided.belief:.3f}, {decided.looks} looks{forced})"

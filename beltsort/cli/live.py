@@ -72,7 +72,7 @@ class LiveView:
             case Planned() | Chosen() as choice:
                 self._why = f"{self._formatter.name(choice.action)}: {self._formatter.why(choice)}"
             case Decided(label) if label is not None:
-                self._sorted.append(self._formatter.classes[label])
+                self._sorted.append(self._formatter.bins[label])
             case Decided() | Skipped():
                 self._sorted.append("-")
         if line:

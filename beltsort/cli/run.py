@@ -214,7 +214,7 @@ def load_description(arguments: Namespace) -> "CellDescription":
 
 def print_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:
     """Print the number of objects in each bin, and the folder of the run."""
-    names = [*opened.model.classes, "rejected"]
+    names = [*opened.model.bins, "rejected"]
     counts = Counter(names[-1 if d.label is None else d.label] for d in report.decisions)
     sorted_into = [f"{counts[name]} {name}" for name in names if counts[name]]
     empty = [f"{len(report.skipped)} empty"] if report.skipped else []

@@ -10,6 +10,7 @@ import numpy as np
 import beltsort
 from beltsort import Policy, SortingModel
 from beltsort.errors import SweepError
+from beltsort.planning.bins import right_bins
 from beltsort.planning.named_policy import named_policy
 from beltsort.sim import CellConfig
 from beltsort.sim.prepare import Prepared, Recipe, StageProgress, prepare
@@ -62,11 +63,11 @@ def scan_point(point: Point) -> dict[str, int | float]:
         report = sort_objects(
             cell, perception, policy_of(point, model, planning), model, journal, objects=len(labels)
         )
-    decided = [d for d in report.decisions if d.label is not None]
+    right, decided = right_bins(model), [d for d in report.decisions if d.label is not None]
     return {
         "steps": report.steps,
         "decided": len(decided),
-        "correct": sum(d.label == labels[d.object] for d in decided),
+        "correct": sum(bool(right[d.label, labels[d.object]]) for d in decided),
         "skipped": len(report.skipped),
         "looks": sum(d.looks for d in report.decisions),
     }

@@ -10,7 +10,7 @@ from beltsort.errors import SweepError
 from beltsort.sim import CellConfig
 from beltsort.util.naming import nearest_of
 
-NOT_VARIED = {"classes", "viewpoints", "p_obs", "counts", "smoothing", "note"}
+NOT_VARIED = {"classes", "viewpoints", "labels", "modes", "p_obs", "counts", "smoothing", "note"}
 DESPOT = ("planner.scenarios", "planner.depth")
 
 
