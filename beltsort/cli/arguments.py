@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from beltsort import ArgumentError, Solution, SortingModel
 from beltsort._core import DEFAULT_BATCH_SIZE, DEFAULT_BATCHES
 from beltsort.planning.named_policy import DEFAULT_TRIALS
-from beltsort.util.naming import index_of, nearest_of
+from beltsort.util.naming import index_of, nearest_of, split_names
 
 Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
 
@@ -135,7 +135,7 @@ def parse_classes(text: str | None, model: SortingModel) -> list[int] | None:
     """Parse class names or indices separated by commas."""
     if text is None:
         return None
-    return [index_of(name, model.classes, "class") for name in text.split(",")]
+    return [index_of(name, model.classes, "class") for name in split_names(text, model.classes)]
 
 
 def add_cell(parser: ArgumentParser) -> None:

@@ -16,8 +16,12 @@ from beltsort.cli.arguments import (
     simulation_of,
 )
 from beltsort.cli.output import print_json, print_table
+from beltsort.planning.bins import SortingStatistics, sorting_statistics, sorts_into_classes
 from beltsort.util.text import numbers_or_none
 
+BINS = """
+Objects of each class in each bin per batch, purity (share of a bin's objects that belong there) and recovery
+(share of the objects that belong there which arrived there):"""
 OPTIONS_OF = {
     "despot": {"trials", "seconds"},
     "threshold": {"threshold"},
@@ -48,8 +52,11 @@ def run(arguments: Namespace) -> int:
     """Simulate and print."""
     model = load_model(arguments)
     result = simulate(model, make_policy(arguments, model), **simulation_of(arguments, model))
-    show = show_json if arguments.json else show_text
-    show(arguments, result)
+    sorting = sorting_statistics(model, result)
+    if arguments.json:
+        show_json(arguments, result, sorting)
+    else:
+        show_text(arguments, result, None if sorts_into_classes(model) else sorting)
     return 0
 
 
@@ -73,7 +80,7 @@ def make_policy(arguments: Namespace, model: SortingModel) -> Policy:
     )
 
 
-def show_json(arguments: Namespace, result: Evaluation) -> None:
+def show_json(arguments: Namespace, result: Evaluation, sorting: SortingStatistics) -> None:
     """Print the statistics as one JSON object."""
     print_json(
         {
@@ -83,12 +90,13 @@ def show_json(arguments: Namespace, result: Evaluation) -> None:
             "batch_size": arguments.batch_size,
             "seed": arguments.seed,
             "summary": {name: numbers_or_none(statistics) for name, statistics in result.summary().items()},
+            "sorting": sorting.to_dict(),
         }
     )
 
 
-def show_text(arguments: Namespace, result: Evaluation) -> None:
-    """Print the statistics as a table."""
+def show_text(arguments: Namespace, result: Evaluation, sorting: SortingStatistics | None) -> None:
+    """Print the statistics as a table, and what arrived in the bins as another."""
     print(f"Per batch of {arguments.batch_size}, mean and standard error over {arguments.batches}:")
     print_table(
         [
@@ -96,4 +104,7 @@ def show_text(arguments: Namespace, result: Evaluation) -> None:
             for name, statistics in result.summary().items()
         ]
     )
+    if sorting is not None:
+        print(f"  reward of decisions, without moves: {sorting.reward}\n{BINS}")
+        print(sorting)
     print(f"Made by: {arguments.command_line}")

@@ -45,9 +45,9 @@ def print_cell_mode(console: "Console", description: "CellDescription", cell: "C
 
 
 def action_as_json(model: SortingModel, action: Move | Decide) -> dict[str, str]:
-    """Return an action as a dictionary of its kind and the name of its viewpoint or class."""
+    """Return an action as a dictionary of its kind and the name of its viewpoint or bin."""
     match action:
         case Move(viewpoint):
             return {"move": model.viewpoints[viewpoint]}
-        case Decide(label):
-            return {"decide": model.classes[label]}
+        case Decide(index):
+            return {"decide": model.bins[index]}

@@ -16,7 +16,7 @@ from beltsort.cli.arguments import (
 )
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.planning.explanation import action_in_words, explain, tree_in_names
-from beltsort.util.naming import index_of
+from beltsort.util.naming import index_of, split_names
 
 NOTHING_SEEN = "-"
 
@@ -108,8 +108,8 @@ def parse_scan(text: str, model: SortingModel) -> tuple[int, list[int | None]]:
     return (
         index_of(viewpoint, model.viewpoints, "viewpoint"),
         [
-            None if label == NOTHING_SEEN else index_of(label, model.classes, "class")
-            for label in labels.split(",")
+            None if label == NOTHING_SEEN else index_of(label, model.labels, "label")
+            for label in split_names(labels, model.labels)
         ],
     )
 

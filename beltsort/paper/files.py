@@ -62,7 +62,7 @@ def table_entries(model: SortingModel, counts: Counts) -> list[dict[str, Any]]:
         for j in range(model.positions)
         for k, viewpoint in enumerate(model.viewpoints)
         for a, true in enumerate(model.classes)
-        for b, observed in enumerate(model.classes)
+        for b, observed in enumerate(model.labels)
     ]
 
 

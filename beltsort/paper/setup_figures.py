@@ -114,7 +114,7 @@ def propagated(
     stages = [("arrival prior", belief.probabilities)]
     for viewpoint, labels in scans:
         belief.observe(viewpoint, labels)
-        said = ", ".join(model.classes[label] for label in labels)
+        said = ", ".join(model.labels[label] for label in labels)
         stages.append((f"scan from {model.viewpoints[viewpoint]}:\n{said}", belief.probabilities))
     label, _ = belief.most_likely(0)
     belief.advance()

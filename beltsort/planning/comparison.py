@@ -18,9 +18,15 @@ from beltsort._core import (
     SortingModel,
     evaluate,
 )
+from beltsort.planning.bins import SortingStatistics, bins_table, sorting_statistics, sorts_into_classes
 from beltsort.planning.loss_bound import LossBound, loss_bound, loss_bounds_table
 from beltsort.planning.policy import Policy
 from beltsort.util.text import numbers_or_none, text_table
+
+BINS = (
+    "Bins, per batch (purity: share of a bin's objects that belong there; recovery: share of the objects\n"
+    "that belong there which arrived there):"
+)
 
 
 @dataclass(frozen=True)
@@ -52,6 +58,8 @@ class Comparison:
 
     Attributes
     ----------
+    model
+        The model that updated the beliefs and gave the rewards.
     evaluations
         The evaluation of each policy, by name.
     baseline
@@ -67,6 +75,7 @@ class Comparison:
         drawn from the model.
     """
 
+    model: SortingModel
     evaluations: Mapping[str, Evaluation]
     baseline: str
     metrics: tuple[str, ...]
@@ -129,6 +138,10 @@ class Comparison:
             if name != self.baseline
         }
 
+    def sorting(self) -> dict[str, SortingStatistics]:
+        """Return what the decisions of each policy put into the bins, by policy."""
+        return {name: sorting_statistics(self.model, result) for name, result in self.evaluations.items()}
+
     def to_dict(self) -> dict[str, Any]:
         """Return the comparison as plain data for JSON; numbers that are not finite become None."""
         return {
@@ -147,11 +160,12 @@ class Comparison:
                 }
                 for name, differences in self.differences().items()
             },
+            "sorting": {name: statistics.to_dict() for name, statistics in self.sorting().items()},
             "loss_bounds": {name: bound.to_dict() for name, bound in self.loss_bounds.items()},
         }
 
     def __str__(self) -> str:
-        """Format means and paired differences as plain text, a row per metric, then the loss bounds."""
+        """Format means and paired differences as plain text, a row per metric; then bins, loss bounds."""
         batches = len(self.evaluations[self.baseline].steps)
         means = {
             name: [f"{s['mean']:.3f} ± {s['standard_error']:.3f}" for s in summary.values()]
@@ -167,6 +181,7 @@ class Comparison:
                 self._table(means),
                 f"Minus {self.baseline} in the same batches, mean ± standard error (z):",
                 self._table(against),
+                *([] if sorts_into_classes(self.model) else [BINS, bins_table(self.sorting())]),
                 *([loss_bounds_table(self.loss_bounds)] if self.loss_bounds else []),
             ]
         )
@@ -270,7 +285,7 @@ def compare(
     losses = {}
     if reference is not None and drawn_from_model:
         losses = {name: loss_bound(result, reference, viewpoint) for name, result in evaluations.items()}
-    return Comparison(evaluations, chosen, tuple(compared), batch_size, seed, losses)
+    return Comparison(model, evaluations, chosen, tuple(compared), batch_size, seed, losses)
 
 
 def _check_reference(

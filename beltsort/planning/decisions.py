@@ -42,7 +42,19 @@ def best_bin(belief: Belief, position: int = 0) -> int:
 
 
 def right_bins(model: SortingModel) -> NDArray[np.bool_]:
-    """Return whether no bin is worth more than b for an object of class c, shape (B, L)."""
+    """Return which classes belong into which bin: those for which no bin is worth more.
+
+    Returns
+    -------
+    numpy.ndarray
+        bool of shape (B, L), ``[bin, class]``.
+
+    Examples
+    --------
+    >>> from beltsort.models import paper
+    >>> right_bins(paper()).sum()
+    np.int64(4)
+    """
     reward = model.reward
     right: NDArray[np.bool_] = reward == reward.max(axis=0)
     return right

@@ -3,7 +3,10 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
+
 from beltsort._core import DEFAULT_TREE_DEPTH, Decide, Move, Plan, SortingModel
+from beltsort.planning.decisions import right_bins
 from beltsort.planning.plan_tree import NamedAction, TreeAction, TreeBranch, TreeNode
 
 BRANCHES = 4  # most likely branches of an action that get a line each
@@ -58,15 +61,18 @@ def reason(model: SortingModel, plan: Plan, belief: Sequence[float]) -> str:
     values = plan.values
     decision = max((action for action in values if isinstance(action, Decide)), key=values.__getitem__)
     looks = [action for action in values if isinstance(action, Move)]
-    right = _percent(belief[decision.label])
-    name = model.classes[decision.label]
+    name = _bin_in_words(model, decision.bin)
+    belonging = right_bins(model)[decision.bin]
+    # Nothing belongs into a manual bin: only its worth says something about it.
+    right = f"right with {_percent(float(np.dot(belonging, belief)))}" if belonging.any() else ""
+    worth = f"worth {values[decision]:.1f}"
     if not looks:
-        return f"No move is allowed from here; deciding {name} is right with {right}."
+        return f"No move is allowed from here; deciding {name} is {right or worth}."
     look = max(looks, key=values.__getitem__)
     from_where, decided = model.viewpoints[look.viewpoint], plan.action == decision
     deciding, looking = ("is", "would be") if decided else ("would be", "is")
     return (
-        f"Deciding {name} now {deciding} right with {right} and worth {values[decision]:.1f}; "
+        f"Deciding {name} now {deciding} {f'{right} and ' if right else ''}{worth}; "
         f"one more look, from {from_where}, {looking} worth {values[look]:.1f}."
     )
 
@@ -76,16 +82,18 @@ def action_in_words(model: SortingModel, action: Move | Decide) -> str:
     match action:
         case Move(viewpoint):
             return f"move to {model.viewpoints[viewpoint]} and scan"
-        case Decide(label):
-            return f"sort as {model.classes[label]}"
+        case Decide(index) if model.bins == model.classes:
+            return f"sort as {model.classes[index]}"
+        case Decide(index):
+            return f"sort into {_bin_in_words(model, index)}"
 
 
 def tree_in_names(model: SortingModel, tree: TreeNode) -> dict[str, Any]:
-    """Return the tree with names of classes and viewpoints in place of indices."""
+    """Return the tree with names of viewpoints, labels, classes and bins in place of indices."""
 
     def action_in_names(action: TreeAction) -> dict[str, Any]:
         ((kind, index),) = action["action"].items()
-        name = (model.viewpoints if kind == "move" else model.classes)[index]
+        name = (model.viewpoints if kind == "move" else model.bins)[index]
         return {**action, "action": {kind: name}, "branches": [*map(branch_in_names, action["branches"])]}
 
     def branch_in_names(branch: TreeBranch) -> dict[str, Any]:
@@ -128,12 +136,18 @@ def _posterior(model: SortingModel, branch: TreeBranch) -> str:
     names = _names(model, branch)
     if names is None:
         return f"the next object is {most_likely}"
-    return f"if it says {', '.join(names)} ({_percent(branch['probability'])}): {most_likely}"
+    said = ", ".join(f'"{name}"' if "," in name else name for name in names)
+    return f"if it says {said} ({_percent(branch['probability'])}): {most_likely}"
 
 
 def _names(model: SortingModel, branch: TreeBranch) -> list[str] | None:
     labels = branch["labels"]
-    return None if labels is None else [model.classes[label] for label in labels]
+    return None if labels is None else [model.labels[label] for label in labels]
+
+
+def _bin_in_words(model: SortingModel, index: int) -> str:
+    """Return the class that a bin is of, or the bin itself where bins are not the classes."""
+    return model.bins[index] if model.bins == model.classes else f"bin {model.bins[index]}"
 
 
 def _action(named: NamedAction) -> Move | Decide:

@@ -3,7 +3,7 @@
 from typing import TypedDict
 
 NamedAction = dict[str, int]
-"""`{"move": viewpoint}` or `{"decide": label}`, the journal's format."""
+"""`{"move": viewpoint}` or `{"decide": bin}`, the journal's format."""
 
 
 class TreeNode(TypedDict):
@@ -14,7 +14,7 @@ class TreeNode(TypedDict):
     viewpoint
         The camera's viewpoint.
     belief
-        H lists of L probabilities, the belt end first.
+        H lists of L class probabilities, the belt end first.
     value
         Estimate.
     lower, upper
@@ -62,7 +62,8 @@ class TreeBranch(TypedDict):
     probability
         Probability of the labels, given the action.
     labels
-        One label per position, the belt end first; None if no scan follows the action.
+        One label per position, the belt end first, indices of `SortingModel.labels`; None if no scan
+        follows the action.
     node
         The node after the observation.
     """

@@ -10,7 +10,8 @@ from beltsort.errors import SweepError
 from beltsort.sim import CellConfig
 from beltsort.util.naming import nearest_of
 
-NOT_VARIED = {"classes", "viewpoints", "p_obs", "counts", "smoothing", "note"}
+OF_TABLES = {"p_obs", "labels", "modes", "label_rule", "counts", "smoothing"}
+NOT_VARIED = {"classes", "viewpoints", "note"} | OF_TABLES
 DESPOT = ("planner.scenarios", "planner.depth")
 
 

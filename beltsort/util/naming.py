@@ -35,6 +35,23 @@ def index_of(text: str, names: Sequence[str], what: str) -> int:
     raise ArgumentError(f"there is no {what} {text!r}; {nearest_of(text, names)}, or 0 to {len(names) - 1}")
 
 
+def split_names(text: str, names: Sequence[str]) -> list[str]:
+    """Split a list at its commas, but not within known names that contain commas.
+
+    Examples
+    --------
+    >>> split_names("nut, sure,bolt", ["nut, sure", "bolt"])
+    ['nut, sure', 'bolt']
+    """
+    parts, found = text.split(","), []
+    while parts:
+        lengths = range(len(parts), 1, -1)
+        length = next((n for n in lengths if ",".join(parts[:n]) in names), 1)
+        found.append(",".join(parts[:length]))
+        parts = parts[length:]
+    return found
+
+
 def nearest_of(text: str, names: Sequence[str]) -> str:
     """Return a message that suggests the nearest name and lists all names."""
     (nearest,) = get_close_matches(text, names, n=1, cutoff=0.0)

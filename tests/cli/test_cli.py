@@ -134,7 +134,7 @@ def test_evaluate_draws_from_the_classes_named() -> None:
         (["plan", "absent.json"], r"absent\.json\b.*No such file"),
         (["plan", PAPER, "--viewpoint", "q3"], r"viewpoint 'q3'.*'p3'.*\bp1, p2, p3\b"),
         (["plan", PAPER, "--viewpoint", "3"], r"viewpoint '3'.*\bp1, p2, p3\b.*\b0\b.*\b2\b"),
-        (["plan", PAPER, "--observe", "p1=livrano,-"], "class 'livrano'.*'livarno'"),
+        (["plan", PAPER, "--observe", "p1=livrano,-"], "label 'livrano'.*'livarno'"),
         (["plan", PAPER, "--observe", "p1"], r"--observe p1\b.*\bVIEWPOINT=LABEL,LABEL\b"),
         (["plan", PAPER, "--observe", "p1=livarno"], r"\b1 labels\b.*\b2 positions\b"),
         (["plan", PAPER, "--trials", "0"], r"\btrials\b.*\b0\b.*\b1\b"),

@@ -10,7 +10,7 @@ import pytest
 
 from beltsort import Belief, Decide, ModelError, Move, SortingModel
 
-from .models import random_model
+from .models import beyond_model, random_model
 
 FULL = random_model(
     1,
@@ -29,6 +29,14 @@ FULL = random_model(
     note="ü",
 )
 
+BEYOND = beyond_model(
+    3,
+    arrival=[0.5, 0.25, 0.25],
+    repeat=0.25,
+    empty="c2",
+    counts=np.arange(32).reshape(2, 2, 4, 2),
+)
+
 
 def through_file(model: SortingModel, folder: Path) -> SortingModel:
     model.save(folder / "model.json")
@@ -41,8 +49,12 @@ def through_pickle(model: SortingModel, _: Path) -> SortingModel:
     return copy
 
 
-@pytest.mark.parametrize("way", [through_file, through_pickle])
-@pytest.mark.parametrize("model", [FULL, random_model(2, h=1, k=1, n=2)])
+def through_json(model: SortingModel, _: Path) -> SortingModel:
+    return SortingModel.from_json(model.to_json())
+
+
+@pytest.mark.parametrize("way", [through_file, through_json, through_pickle])
+@pytest.mark.parametrize("model", [FULL, BEYOND, random_model(2, h=1, k=1, n=2)])
 def test_round_trip(
     way: Callable[[SortingModel, Path], SortingModel], model: SortingModel, tmp_path: Path
 ) -> None:
@@ -50,6 +62,8 @@ def test_round_trip(
     assert again == model
     assert np.array_equal(again.p_obs, model.p_obs)
     assert again.note == model.note
+    assert (again.labels, again.bins, again.modes) == (model.labels, model.bins, model.modes)
+    assert np.array_equal(again.reward, model.reward)
     assert again != random_model(3)
 
 
@@ -66,6 +80,27 @@ def test_properties() -> None:
     assert FULL.counts is not None
     assert FULL.counts.dtype == np.uint64
     assert FULL.counts[1, 1, 2, 2] == 35
+
+
+def test_keys_beyond_the_paper() -> None:
+    assert (BEYOND.labels, BEYOND.bins) == (["seen, sure", "seen"], ["one", "manual"])
+    assert BEYOND.reward.tolist() == [[10.0, 5.0, -50.0], [-3.0, -3.0, 2.0]]
+    assert (BEYOND.r_max, BEYOND.r_min) == (10.0, 50.0)
+    assert BEYOND.modes == [[1.0], [0.25, 0.75], [1.0]]
+    assert BEYOND.p_obs.shape == (2, 2, 4, 2)
+    assert Belief(BEYOND).kinds == pytest.approx(np.array([[0.5, 0.0625, 0.1875, 0.25]] * 2))
+    assert Belief(BEYOND).probabilities == pytest.approx(np.array([[0.5, 0.25, 0.25]] * 2))
+
+
+def test_without_new_keys_labels_and_bins_are_the_classes() -> None:
+    assert FULL.labels == FULL.bins == FULL.classes
+    assert FULL.modes == [[1.0]] * 3
+    assert FULL.reward.tolist() == np.where(np.eye(3, dtype=bool), 7.0, -3.5).tolist()
+    assert not {"labels", "bins", "reward", "modes"} & set(json.loads(FULL.to_json()))
+
+
+def test_a_reward_takes_the_place_of_r_max_and_r_min_in_the_file() -> None:
+    assert not {"r_max", "r_min"} & set(json.loads(BEYOND.to_json()))
 
 
 def test_defaults() -> None:
@@ -105,6 +140,24 @@ def test_fewer_positions() -> None:
     assert one.counts is not None
     assert one.counts.shape == (1, 2, 3, 3)
     assert one.repeat.tolist() == [[0.0, 0.5]]
+
+
+def test_fewer_positions_keep_every_other_key() -> None:
+    one = BEYOND.with_positions(1)
+    assert one.p_obs.shape == (1, 2, 4, 2)
+    assert one == BEYOND.replace(p_obs=BEYOND.p_obs[:1], counts=BEYOND.counts[:1])  # type: ignore[index] # given
+
+
+def test_replaced_keys_beyond_the_paper() -> None:
+    dearer = BEYOND.replace(reward=[[10.0, 5.0, -500.0], [-3.0, -3.0, 2.0]])
+    assert dearer.r_min == 500.0
+    assert dearer.replace(reward=BEYOND.reward) == BEYOND
+    even = BEYOND.replace(modes=[[1.0], [0.5, 0.5], [1.0]])
+    assert Belief(even).kinds[0] == pytest.approx(np.array([0.5, 0.125, 0.125, 0.25]))
+    plain = BEYOND.replace(bins=None, reward=None, r_min=7)
+    assert (plain.bins, plain.r_min, plain.labels) == (plain.classes, 7.0, BEYOND.labels)
+    with pytest.raises(ModelError, match="r_min"):
+        BEYOND.replace(r_min=7)
 
 
 def test_replaced_settings_are_the_only_ones_that_change() -> None:

@@ -3,6 +3,7 @@
 import itertools
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from beltsort import Belief, ModelError, SortingModel
 from tests.laws import cases
 
-from .models import named, random_belief, random_model
+from .models import arrival_of_kinds, beyond_model, class_of_kinds, named, random_belief, random_model
 from .pomdp_reader import Pomdp, read_pomdp
 
 Floats = NDArray[np.float64]
@@ -28,12 +29,35 @@ def exported(model: SortingModel) -> Pomdp:
         return read_pomdp(path.read_text())
 
 
+PAPER_REWARDS: st.SearchStrategy[dict[str, Any]] = st.fixed_dictionaries(
+    {"r_max": st.floats(0.5, 20), "r_min": st.floats(0.5, 100)}
+)
+
+
+@st.composite
+def beyond(draw: st.DrawFn, n: int, rng: np.random.Generator) -> dict[str, Any]:
+    """Keys that the paper's model does not have."""
+    bins = draw(st.integers(1, 3))
+    reward = rng.uniform(-20, 20, (bins, n))
+    reward[0, 0] = 10.0
+    return {
+        "labels": named("label ", draw(st.integers(1, 3))),
+        "bins": named("bin ", bins),
+        "reward": reward,
+        "modes": [[1.0], [0.25, 0.75], [1.0]][:n] if draw(st.booleans()) else [[1.0]] * n,
+    }
+
+
 @st.composite
 def models(draw: st.DrawFn) -> SortingModel:
-    """Small models: some with zeros in the tables, restricted travel, cost matrices, arrival priors."""
+    """Small models: some with zeros in the tables, restricted travel, cost matrices, arrival priors, and keys
+    beyond the paper.
+    """
     h, k, n = draw(st.integers(1, 2)), draw(st.integers(1, 3)), draw(st.integers(2, 3))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
-    p_obs = rng.dirichlet(np.ones(n), size=(h, k, n))
+    settings = draw(PAPER_REWARDS | beyond(n, rng))
+    kinds = sum(len(weights) for weights in settings.get("modes", [[1.0]] * n))
+    p_obs = rng.dirichlet(np.ones(len(settings.get("labels", range(n)))), size=(h, k, kinds))
     p_obs[p_obs < draw(st.sampled_from([0.0, 0.1]))] = 0.0
     p_obs /= p_obs.sum(axis=-1, keepdims=True)
     moves = st.lists(st.integers(0, k - 1), unique=True)
@@ -42,8 +66,7 @@ def models(draw: st.DrawFn) -> SortingModel:
         named("class ", n),
         named("viewpoint #", k),
         p_obs,
-        r_max=draw(st.floats(0.5, 20)),
-        r_min=draw(st.floats(0.5, 100)),
+        **settings,
         discount=draw(st.floats(0.3, 0.99)),
         motion_cost=rng.uniform(0, 3, (k, k)) if draw(st.booleans()) else draw(st.sampled_from([0.0, 1.0])),
         travel=draw(st.none() | st.lists(moves, min_size=k, max_size=k)),
@@ -52,13 +75,18 @@ def models(draw: st.DrawFn) -> SortingModel:
     )
 
 
-def vectors(model: SortingModel) -> list[tuple[int, ...]]:
-    """Every class (or label) vector, in the order of the file."""
-    return list(itertools.product(range(len(model.classes)), repeat=model.positions))
+def kind_vectors(model: SortingModel) -> list[tuple[int, ...]]:
+    """Every vector of kinds, in the order of the file."""
+    return list(itertools.product(range(model.p_obs.shape[2]), repeat=model.positions))
+
+
+def label_vectors(model: SortingModel) -> list[tuple[int, ...]]:
+    """Every vector of labels, in the order of the file."""
+    return list(itertools.product(range(len(model.labels)), repeat=model.positions))
 
 
 def joint(rows: Floats) -> Floats:
-    """The joint distribution of independent positions, (H, L) -> (L^H,); or of their tables."""
+    """The joint distribution of independent positions, (H, N) -> (N^H,); or of their tables."""
     result = rows[0]
     for row in rows[1:]:
         result = np.kron(result, row)
@@ -86,13 +114,13 @@ def told_apart(model: SortingModel) -> int:
 @given(models())
 def test_sets_start_and_discount(model: SortingModel) -> None:
     pomdp = exported(model)
-    k, n, viewpoints = len(model.viewpoints), len(model.classes), told_apart(model)
+    k, bins, viewpoints = len(model.viewpoints), len(model.bins), told_apart(model)
     assert (pomdp.discount, pomdp.values) == (model.discount, "reward")
-    assert pomdp.actions == [f"move_{v}" for v in range(k)] + [f"decide_{label}" for label in range(n)]
+    assert pomdp.actions == [f"move_{v}" for v in range(k)] + [f"decide_{b}" for b in range(bins)]
     assert ("nothing" in pomdp.observations) is not model.observe_after_decision
-    assert len(pomdp.observations) == n**model.positions + (not model.observe_after_decision)
-    assert len(pomdp.states) == viewpoints * n**model.positions
-    first = joint(np.tile(model.arrival, (model.positions, 1)))
+    assert len(pomdp.observations) == len(label_vectors(model)) + (not model.observe_after_decision)
+    assert len(pomdp.states) == viewpoints * len(kind_vectors(model))
+    first = joint(np.tile(arrival_of_kinds(model), (model.positions, 1)))
     assert pomdp.start == pytest.approx(np.concatenate([first, np.zeros((viewpoints - 1) * len(first))]))
 
 
@@ -100,15 +128,14 @@ def test_sets_start_and_discount(model: SortingModel) -> None:
 @given(models())
 def test_transitions(model: SortingModel) -> None:
     transitions = exported(model).transitions
-    states = list(itertools.product(range(told_apart(model)), vectors(model)))
-    k = len(model.viewpoints)
-    for s, (viewpoint, classes) in enumerate(states):
+    states = list(itertools.product(range(told_apart(model)), kind_vectors(model)))
+    k, arrival = len(model.viewpoints), arrival_of_kinds(model)
+    for s, (viewpoint, kinds) in enumerate(states):
         for end in range(k):
-            after = (end if told_apart(model) > 1 else 0, classes)
+            after = (end if told_apart(model) > 1 else 0, kinds)
             assert transitions[end, s].tolist() == [float(state == after) for state in states]
         decided = [
-            model.arrival[new[-1]] if (at, new[:-1]) == (viewpoint, classes[1:]) else 0.0
-            for at, new in states
+            arrival[new[-1]] if (at, new[:-1]) == (viewpoint, kinds[1:]) else 0.0 for at, new in states
         ]
         for decide in transitions[k:, s]:
             assert decide == pytest.approx(decided)
@@ -120,12 +147,12 @@ def test_observations(model: SortingModel) -> None:
     labels = exported(model).labels
     k, viewpoints = len(model.viewpoints), told_apart(model)
     assert labels.sum(axis=-1) == pytest.approx(1.0)
-    scans = [joint(model.p_obs[:, end]) for end in range(k)]  # (L^H, L^H) each
+    scans = [joint(model.p_obs[:, end]) for end in range(k)]  # (N^H, Z^H) each
     if not model.observe_after_decision:
         assert np.all(labels[:k, :, NOTHING] == 0)
         assert np.all(labels[k:, :, NOTHING] == 1)
     for end in range(k):
-        seen = labels[end, :, : len(vectors(model))]
+        seen = labels[end, :, : len(label_vectors(model))]
         assert seen == pytest.approx(np.tile(scans[end], (viewpoints, 1)))
     if model.observe_after_decision:
         for decide in labels[k:]:
@@ -137,18 +164,16 @@ def test_observations(model: SortingModel) -> None:
 def test_rewards(model: SortingModel) -> None:
     rewards = exported(model).rewards
     assert np.array_equal(rewards, np.broadcast_to(rewards[:, :, :1, :1], rewards.shape))
-    k = len(model.viewpoints)
-    for s, (start, classes) in enumerate(itertools.product(range(told_apart(model)), vectors(model))):
+    k, class_of = len(model.viewpoints), class_of_kinds(model)
+    for s, (start, kinds) in enumerate(itertools.product(range(told_apart(model)), kind_vectors(model))):
         moves = [move_reward(model, start, end) for end in range(k)]
-        decisions = [
-            model.r_max if label == classes[0] else -model.r_min for label in range(len(model.classes))
-        ]
+        decisions = model.reward[:, class_of[kinds[0]]].tolist()
         assert rewards[:, s, 0, 0] == pytest.approx([*moves, *decisions])
 
 
 def flat_belief(model: SortingModel, belief: Belief, viewpoint: int) -> Floats:
     """The belief over the states of the file."""
-    here = joint(belief.probabilities)
+    here = joint(belief.kinds)
     if is_flat(model):
         return here
     return np.kron(np.eye(len(model.viewpoints))[viewpoint], here)
@@ -180,7 +205,7 @@ def test_belief_updates(model: SortingModel, seed: int, data: st.DataObject) -> 
             predicted = joint(belief.label_probabilities(viewpoint))
             seen = data.draw(st.sampled_from(np.flatnonzero(predicted > 1e-3).tolist()))
             probability, flat = updated(pomdp, flat, action, seen)
-            belief.observe(viewpoint, vectors(model)[seen])
+            belief.observe(viewpoint, label_vectors(model)[seen])
             assert probability == pytest.approx(predicted[seen])
         assert flat == pytest.approx(flat_belief(model, belief, viewpoint))
 
@@ -204,13 +229,11 @@ def optimum(model: SortingModel, belief: Belief, viewpoint: int, steps: int) -> 
     """The same by the arithmetic of sorting, with legal moves only."""
     if steps == 0:
         return 0.0
-    _, right = belief.most_likely(0)
     after = belief.copy()
     after.advance()
     follow = after_scan if model.observe_after_decision else optimum
     values = [
-        right * model.r_max
-        - (1 - right) * model.r_min
+        float(np.max(model.reward @ belief.probabilities[0]))
         + model.discount * follow(model, after, viewpoint, steps - 1)
     ]
     for end in model.travel[viewpoint]:
@@ -221,7 +244,7 @@ def optimum(model: SortingModel, belief: Belief, viewpoint: int, steps: int) -> 
 
 def after_scan(model: SortingModel, belief: Belief, viewpoint: int, steps: int) -> float:
     value = 0.0
-    for labels, p in zip(vectors(model), joint(belief.label_probabilities(viewpoint)), strict=True):
+    for labels, p in zip(label_vectors(model), joint(belief.label_probabilities(viewpoint)), strict=True):
         if p > 0:
             after = belief.copy()
             after.observe(viewpoint, labels)
@@ -234,10 +257,15 @@ def after_scan(model: SortingModel, belief: Belief, viewpoint: int, steps: int) 
     [(1, 2, None), (2, 1, None), (1, 3, [[1], [2], []]), (2, 2, [[1], [0, 1]])],
 )
 @pytest.mark.parametrize("scan", [False, True])
-def test_value_iteration(h: int, k: int, travel: list[list[int]] | None, scan: bool) -> None:
-    model = random_model(
-        h, h=h, k=k, n=2, travel=travel, r_min=15.0, arrival=[0.4, 0.6], observe_after_decision=scan
-    )
+@pytest.mark.parametrize("of_the_paper", [False, True])
+def test_value_iteration(
+    h: int, k: int, travel: list[list[int]] | None, scan: bool, of_the_paper: bool
+) -> None:
+    settings: dict[str, Any] = {"travel": travel, "observe_after_decision": scan}
+    if of_the_paper:
+        model = random_model(h, h=h, k=k, n=2, r_min=15.0, arrival=[0.4, 0.6], **settings)
+    else:
+        model = beyond_model(h, h=h, k=k, arrival=[0.4, 0.4, 0.2], **settings)
     pomdp = exported(model)
     for steps in (1, 2, 3):
         expected = optimum(model, Belief(model), 0, steps)

@@ -11,7 +11,7 @@ use crate::convert::{self, Whole, index, labels_or_none, rows};
 use crate::errors::{ArgumentError, to_python};
 use crate::model::PySortingModel;
 
-/// The factored belief: one distribution over the L classes per belt position, H of them.
+/// The factored belief: one distribution over the N kinds (class and mode) per belt position.
 ///
 /// Objects are independent and each label depends on its own object only, so the product of these
 /// distributions is the exact posterior. Where the model's `repeat` is above 0, the last label of each
@@ -21,10 +21,10 @@ use crate::model::PySortingModel;
 /// ----------
 /// model : SortingModel
 ///     Gives the shape, the observation tables and the arrival prior.
-/// probabilities : array_like, shape (H, L), optional
-///     One distribution per position, the belt end first. Rows may miss 1 by 1e-6 and are normalised; those
-///     that miss it by rounding only are kept to the last bit. The arrival prior at every position if
-///     missing. A probability of 0 is for ever: no label can raise it.
+/// probabilities : array_like, shape (H, L) or (H, N), optional
+///     One distribution over the classes, or the kinds, per position, the belt end first. Rows may miss 1 by
+///     1e-6 and are normalised; those that miss it by rounding only are kept to the last bit. The arrival
+///     prior at every position if missing. A probability of 0 is for ever: no label can raise it.
 /// last_labels : array_like of int, shape (H, K), optional
 ///     Last labels since the belt moved, -1 for none, which is what is taken if missing. With both arguments
 ///     a belief is rebuilt from its record. Labels that the model cannot repeat are forgotten.

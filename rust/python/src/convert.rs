@@ -49,7 +49,7 @@ pub fn tables(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Tables<f64>> {
     if shape.len() != 4 {
         return Err(ModelError::new_err(format!(
             "{name} has shape {shape:?}; expected (H, K, L, L): positions, viewpoints, true classes (or their modes), observed \
-             classes (or labels)"
+             classes (or labels); give four axes"
         )));
     }
     let mut entries = view.iter().copied();
@@ -83,7 +83,7 @@ pub fn rows(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<Vec<f64>>, Strin
     let view = array.as_array();
     let shape = view.shape();
     if shape.len() != 2 {
-        return Err(format!("{name} has shape {shape:?}; expected two axes"));
+        return Err(format!("{name} has shape {shape:?}; expected two axes, so give a list of rows"));
     }
     Ok(view.rows().into_iter().map(|row| row.iter().copied().collect()).collect())
 }

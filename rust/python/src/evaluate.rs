@@ -52,8 +52,8 @@ use crate::user_policy::UserPolicy;
 ///     Draws classes and labels, repeated ones by its own `repeat`; `model` if missing. Its H, K and L must be
 ///     those of `model`.
 /// max_looks : int, default 60
-///     An object looked at this often is decided as its most likely class. Too large, and a policy that never
-///     decides never ends.
+///     An object looked at this often gets the decision with the largest expected reward. Too large, and a
+///     policy that never decides never ends.
 /// reference : Solution, optional
 ///     What the actions are held against: its upper bound, one exact step ahead, says what each of them loses
 ///     (`Evaluation.regrets`). For one or two positions, viewpoints that are all alike

@@ -68,11 +68,13 @@ impl PySortingModel {
         if let Some(cost) = motion_cost {
             spec.motion_cost = scalar_or_matrix("motion_cost", cost)?;
         }
-        if reward.is_some() && (r_max.is_some() || r_min.is_some()) {
-            return Err(ModelError::new_err(
-                "reward is given, and r_max or r_min as well; reward says what every class is worth in every bin: leave \
-                 r_max and r_min out",
-            ));
+        if let (Some(_), Some((key, value))) =
+            (reward, r_max.map(|r| ("r_max", r)).or(r_min.map(|r| ("r_min", r))))
+        {
+            return Err(ModelError::new_err(format!(
+                "reward and {key} = {value} are both given, but reward says what every class is worth in every bin; leave \
+                 {key} out"
+            )));
         }
         spec.labels = labels;
         spec.bins = bins;

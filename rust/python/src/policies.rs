@@ -18,15 +18,19 @@ pub const DEFAULT_INFORMATION_POSITIONS: usize = 1;
 /// Planner steps of a look-ahead, if not given.
 pub const DEFAULT_LOOK_AHEAD_DEPTH: usize = 1;
 
-/// Look from one viewpoint until the belt end's most likely class is likely enough.
+/// Look from one viewpoint until the best decision is likely enough to be right.
+///
+/// The best decision is the one with the largest expected reward; it is right if no bin is worth more for the
+/// object's class. Where the bins are the classes, it is the most likely class. A manual bin, which is right for
+/// no class, is never chosen while a move is legal.
 ///
 /// Parameters
 /// ----------
 /// model : SortingModel
 ///     The problem.
 /// threshold : float
-///     Decide once the most likely class has this probability, above 0 and at most 1. Too near 1, and no
-///     decision may ever be reached: `max_looks` of `evaluate` then forces one.
+///     Decide once the best decision at the belt end is right with this probability, above 0 and at most 1. Too
+///     near 1, and no decision may ever be reached: `max_looks` of `evaluate` then forces one.
 /// viewpoint : int, optional
 ///     Index of the viewpoint to look from, reached by the fewest moves; if missing, the one whose scan tells
 ///     most about an object that has just arrived.
@@ -88,7 +92,7 @@ impl PyThreshold {
     }
 }
 
-/// Look from where most is learnt until the belt end's most likely class is likely enough.
+/// Look from where most is learnt until the best decision is likely enough to be right, as for `Threshold`.
 ///
 /// Parameters
 /// ----------
@@ -97,8 +101,8 @@ impl PyThreshold {
 /// threshold : float
 ///     As for `Threshold`.
 /// positions : int, default 1
-///     The gain of a look is the expected drop of entropy, summed over this many positions from the belt end,
-///     1 to H. With many, objects far from their decision outvote the one at the belt end.
+///     The gain of a look is the expected drop of the class's entropy, summed over this many positions from the
+///     belt end, 1 to H. With many, objects far from their decision outvote the one at the belt end.
 ///
 /// Raises
 /// ------

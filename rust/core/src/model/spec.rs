@@ -194,7 +194,9 @@ impl ModelSpec {
             (fields.get("reward"), PAPERS.iter().find(|key| fields.contains_key(**key)))
         {
             return model_error(format!(
-                "reward and {key} are both given; reward takes its place: leave {key} out"
+                "reward and {key} = {} are both given, but reward says what every class is worth in every bin; leave \
+                 {key} out",
+                fields[*key]
             ));
         }
         if let Some(key) = fields.keys().find(|key| !KEYS.contains(&key.as_str())) {

@@ -59,13 +59,16 @@ pub(crate) fn distribution(name: &str, row: &[f64]) -> Result<()> {
 
 fn names(what: &str, names: &[String], least: usize) -> Result<()> {
     if names.len() < least {
-        return model_error(format!("{what} has {} entries; sorting needs at least {least}", names.len()));
+        return model_error(format!("{what} = {names:?} has {} entries; give at least {least}", names.len()));
     }
     let mut seen = BTreeSet::new();
     for name in names {
-        if name.is_empty() || !seen.insert(name) {
+        if name.is_empty() {
+            return model_error(format!("{what} = {names:?} has an empty name; give each a name"));
+        }
+        if !seen.insert(name) {
             return model_error(format!(
-                "{what} holds {name:?} twice or empty; names must be unique and not empty"
+                "{what} = {names:?} has {name:?} twice; names must be unique: rename one"
             ));
         }
     }
@@ -75,9 +78,16 @@ fn names(what: &str, names: &[String], least: usize) -> Result<()> {
 fn tables(spec: &ModelSpec) -> Result<()> {
     let k = spec.viewpoints.len();
     let kinds = kinds(spec);
-    let of_rows = if spec.modes.is_some() { "mode of each class" } else { "true class" };
+    let of_rows = if spec.modes.is_some() {
+        "mode of each class"
+    } else {
+        "true class (if its classes have several modes, give modes)"
+    };
     let labels = spec.labels.as_ref().unwrap_or(&spec.classes).len();
-    let of_entries = if spec.labels.is_some() { "label" } else { "observed class" };
+    let of_entries = match &spec.labels {
+        Some(_) => "label",
+        None => "observed class (if a look yields other labels than the classes, name them in labels)",
+    };
     if spec.p_obs.is_empty() {
         return model_error(format!("p_obs has no position; its shape is {} with H at least 1", shape(spec)));
     }
@@ -119,7 +129,7 @@ fn modes(spec: &ModelSpec) -> Result<()> {
         let name = format!("modes of class {class:?}");
         if weights.is_empty() {
             return model_error(format!(
-                "{name} are none; give the weight 1 to a class with one mode: [1.0]"
+                "{name} = []; expected weights that sum to 1, so give a class with one mode [1.0]"
             ));
         }
         distribution(&name, weights)?;
@@ -145,13 +155,13 @@ fn bins(spec: &ModelSpec) -> Result<()> {
     let rewards = matrix("reward", reward, (bins.len(), "bin"), (spec.classes.len(), "class"))?;
     if let Some(bad) = rewards.iter().find(|reward| !reward.is_finite()) {
         return model_error(format!(
-            "reward holds {bad}; rewards are finite, and penalties are negative rewards"
+            "reward holds {bad}; rewards are finite, so give a large number, negative for a penalty"
         ));
     }
     if rewards.iter().all(|reward| *reward <= 0.0) {
-        return model_error(
-            "reward holds nothing above 0, so nothing is worth deciding; give right bins a reward above 0",
-        );
+        return model_error(format!(
+            "reward = {reward:?} holds nothing above 0, so nothing is worth deciding; give right bins a reward above 0"
+        ));
     }
     Ok(())
 }
