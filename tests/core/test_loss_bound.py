@@ -42,7 +42,7 @@ def policies(model: SortingModel) -> dict[str, Policy]:
 
 @pytest.fixture(scope="module")
 def wide() -> Solution:
-    return solve(random_model(3, h=3, k=2, n=2, r_min=20), seconds=0.5)
+    return solved_until(within(1.0), random_model(3, h=3, k=2, n=2, r_min=20), seconds=0.5)
 
 
 @pytest.fixture(scope="module")
