@@ -24,14 +24,16 @@ LOOKS = 12
 MOST_FORCED = 0.02
 """Share of forced decisions above which looking does not end by itself.
 
-The paper's model has 0.000 at r_min of 5, 50 and 500, and the simulated cell's tables too; tables of real
-scans that repeat their labels have 0.2 to 1.0.
+At the default `max_looks`, the paper's model has 0.000 at r_min of 5, 50 and 500, as do the simulated cell's
+tables. Tables of real scans that repeat their labels (docs/calibration.md) have 0.06 to 0.98 at 40 looks.
 """
 
-UNCERTAIN = 0.1
-"""Share of the prior entropy left after `LOOKS` looks above which they are compared with independent ones.
+REPEATED = 0.1
+"""Looks repeat if `LOOKS` of them leave more of the prior entropy than independent ones, by more than this.
 
-The paper's model leaves 0.02, with `repeat` at 0.13 (the simulated cell) 0.03, at 0.5 0.10, at 0.9 0.24.
+The simulated cell, where a second look repeats the first with probability 0.08 to 0.28, has 0.01. The paper's
+model has 0.08 with `repeat` at 0.5, 0.23 at 0.9. Real scans with 0.84 to 1.00 have 0.24 (sticky labels) to
+0.32 (`repeat`).
 """
 
 
@@ -153,8 +155,7 @@ def expectation(model: SortingModel, *, max_looks: int = DEFAULT_MAX_LOOKS, seed
     - more than `MOST_FORCED` of the decisions are forced by `max_looks`,
     - sorting loses: the mean reward of an object, looks paid for, is below 0 by two standard errors,
     - two classes need more than `max_looks` looks to be told apart, or no number suffices,
-    - looks only repeat: after `LOOKS` of them more than `UNCERTAIN` of the entropy is left, and at least
-      twice as much as if they were independent.
+    - looks repeat: `LOOKS` of them leave more of the entropy than independent ones, by more than `REPEATED`.
 
     With a warning, the same simulation tells what another viewpoint, a common bin of the two classes and a
     manual bin would bring.
@@ -247,7 +248,7 @@ def _warnings(
             f"{' and '.join(worst.classes)} cannot be told apart: {number} looks would be needed, max_looks "
             f"is {max_looks}"
         )
-    if left > UNCERTAIN and left >= 2.0 * independent:
+    if left - independent > REPEATED:
         yield (
             f"looks repeat each other: {LOOKS} looks leave {left:.0%} of the uncertainty about an object, "
             f"independent ones would leave {independent:.0%}"
