@@ -3,14 +3,17 @@
 from argparse import Namespace
 from typing import TYPE_CHECKING, Any
 
+from beltsort import BeltsortError, SortingModel
 from beltsort.cli.arguments import Subparsers, add_cell, add_json
 from beltsort.cli.exit_codes import EXCEEDED
-from beltsort.cli.output import print_cell_mode, print_json, print_table
+from beltsort.cli.output import print_cell_mode, print_json, print_status, print_table
 
 if TYPE_CHECKING:
     from beltsort.cell.wrappers.recorder import Recorded
     from beltsort.cellfile.check import CellCheck, View
     from beltsort.cellfile.composed import ComposedCell
+    from beltsort.cellfile.description import CellDescription
+    from beltsort.planning.expectation import Expectation
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -19,8 +22,8 @@ def add_parser(subparsers: Subparsers) -> None:
         "check",
         help="visit every viewpoint of a cell and compare the scans with its cell file",
         description="Query the health of every device, visit every viewpoint, take a scan at each, and print "
-        "where the belt is, how much of every position is seen, and the duration of each call. The exit code "
-        "is 1 if a limit of the file's table [check] is exceeded.",
+        "where the belt is, how much of every position is seen, the duration of each call, and what the "
+        "model promises. The exit code is 1 if a limit of the file's table [check] is exceeded.",
     )
     add_cell(parser)
     add_json(parser)
@@ -50,13 +53,32 @@ def run(arguments: Namespace) -> int:
     print_cell_mode(console, description, cell)
     with devices_locked(devices):
         found = check_cell(cell, description.check)
+    expected = expected_of_model(description)
     if arguments.json:
-        print_json(as_json(cell, found, calls) | {"limits": description.check.model_dump()})
+        promised = None if expected is None else expected.to_dict()
+        limits = description.check.model_dump()
+        print_json({**as_json(cell, found, calls), "limits": limits, "expected": promised})
     else:
         show(found, calls)
-        limits = ", ".join(f"{name} {limit:g}" for name, limit in description.check)
-        print(f"limits (the file's [check]): {limits}")
+        listed = ", ".join(f"{name} {limit:g}" for name, limit in description.check)
+        print(f"limits (the file's [check]): {listed}")
+        if expected is not None:
+            print(f"\nmodel {description.model}:\n{expected}")
     return EXCEEDED if found.exceeded else 0
+
+
+def expected_of_model(description: "CellDescription") -> "Expectation | None":
+    """Return what the cell file's model promises; None without a model file, or if it cannot be read."""
+    from beltsort.planning.expectation import expectation
+
+    if description.model is None:
+        return None
+    try:
+        model = SortingModel.load(description.path(description.model))
+    except BeltsortError as reason:
+        print_status(f"Warning: {reason}.")
+        return None
+    return expectation(model, max_looks=description.rules.max_looks)
 
 
 def as_json(cell: "ComposedCell", found: "CellCheck", calls: "list[Recorded]") -> dict[str, Any]:

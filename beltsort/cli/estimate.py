@@ -15,6 +15,7 @@ from beltsort.sim.config import TABLE_OBJECTS
 
 if TYPE_CHECKING:
     from beltsort.perception import Classifier, LabelRule
+    from beltsort.planning.expectation import Expectation
     from beltsort.tables.estimate import Estimate
     from beltsort.tables.log import LabelLog
     from beltsort.tables.matches import MatchedScan, MatchLog
@@ -80,6 +81,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Collect, estimate, save and print."""
+    from beltsort.planning.expectation import expectation
     from beltsort.tables.estimate import estimate
     from beltsort.tables.figure import draw_tables
 
@@ -100,10 +102,12 @@ def run(arguments: Namespace) -> int:
     if arguments.figure is not None:
         labels = result.model.labels
         draw_tables(result.counts, result.smoothing, classes, viewpoints, arguments.figure, labels)
+    expected = expectation(result.model)
     if arguments.json:
-        print_json({"model": str(arguments.output), "wanted_error": arguments.error, **result.to_dict()})
+        settings = {"model": str(arguments.output), "wanted_error": arguments.error}
+        print_json({**settings, **result.to_dict(), "expected": expected.to_dict()})
     else:
-        show(result, arguments)
+        show(result, expected, arguments)
     return 0
 
 
@@ -275,8 +279,8 @@ def digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:16]
 
 
-def show(result: "Estimate", arguments: Namespace) -> None:
-    """Print the tables, their standard errors, and tests of the model's assumptions."""
+def show(result: "Estimate", expected: "Expectation", arguments: Namespace) -> None:
+    """Print the tables, their standard errors, tests of the model's assumptions, and what it promises."""
     from beltsort.tables.layout import agreement_text, independence_text, intervals_text, table_one, table_two
 
     model = result.model
@@ -297,4 +301,5 @@ def show(result: "Estimate", arguments: Namespace) -> None:
         print(f"{result.missing} more objects in each row would reduce every error to {arguments.error:g}.")
     for warning in result.warnings():
         print(f"Warning: {warning}.")
+    print(f"\n{expected}")
     print(f"model: {arguments.output}")

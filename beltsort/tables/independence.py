@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import xlogy
 
+from beltsort.tables.repeated_looks import NONE, RepeatedLooks
 from beltsort.tables.scans import LabelledScan, first_of_each_scene, looks
 
 Integers = NDArray[np.int64]
@@ -178,6 +179,41 @@ def permutation_test(
     drawn = np.array([value(b[np.lexsort((rng.random(len(b)), strata))]) for _ in range(PERMUTATIONS)])
     as_large = int((drawn >= seen - 1e-9 * abs(seen)).sum())
     return float(seen - drawn.mean()), (1 + as_large) / (1 + PERMUTATIONS)
+
+
+def repetition_p_value(looks: RepeatedLooks, seed: int = 0) -> float:
+    """Return the p-value of the looks at an object agreeing no more often than looks at others of its class.
+
+    The looks of all viewpoints and positions count. Labels are permuted among the looks of a table row, which
+    leaves how often each label is seen there.
+
+    Examples
+    --------
+    >>> from beltsort.tables.repeated_looks import LooksAtObject, TableShape
+    >>> stuck = [LooksAtObject(true=0, looks=((0, 0, n % 2),) * 4) for n in range(8)]
+    >>> mixed = [LooksAtObject(true=0, looks=((0, 0, 0), (0, 0, 1)) * 2) for n in range(8)]
+    >>> shape = TableShape(positions=1, viewpoints=1, classes=1, labels=2)
+    >>> [repetition_p_value(RepeatedLooks.of(each, shape)) for each in (stuck, mixed)]
+    [0.0005, 1.0]
+    """
+    seen = looks.labels != NONE
+    objects, labels = looks.objects[seen], looks.labels[seen]
+    shape = looks.shape
+    rows = np.ravel_multi_index(
+        (looks.true[objects], looks.positions[seen], looks.viewpoints[seen]),
+        (shape.classes, shape.positions, shape.viewpoints),
+    )
+    order = np.argsort(rows, kind="stable")
+    rows, objects, labels = rows[order], objects[order], labels[order]
+
+    def agreeing(permuted: Integers) -> int:
+        """Return the sum of squares of how often each label was seen at each object."""
+        return int((np.bincount(objects * shape.labels + permuted) ** 2).sum())
+
+    rng = np.random.default_rng(seed)
+    drawn = (agreeing(labels[np.lexsort((rng.random(len(rows)), rows))]) for _ in range(PERMUTATIONS))
+    threshold = agreeing(labels)
+    return (1 + sum(value >= threshold for value in drawn)) / (1 + PERMUTATIONS)
 
 
 def information(tables: Integers) -> float:

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.special import entr
 
 from beltsort.tables.held_out import Candidate, Fitted, Prediction, cross_validated, stratified_folds
+from beltsort.tables.independence import repetition_p_value
 from beltsort.tables.modes import ModeSettings, ModeTables, fit_modes, one_mode_reasons
 from beltsort.tables.repeated_looks import Array, RepeatedLooks
 from beltsort.tables.sticky import fit_sticky_labels
@@ -14,6 +16,7 @@ from beltsort.tables.sticky import fit_sticky_labels
 MOST_MODES = 8
 FOLDS = 5
 NEGLIGIBLE = 0.01  # share of the best log-loss
+DEPENDENT = 0.01  # p-value below which looks at an object are known to repeat each other
 ONE_MODE, STICKY, NAMED = "one mode", "sticky labels", "the named modes"
 
 
@@ -94,6 +97,11 @@ class ModeChoice:
         What more objects, and more looks at each, have brought; empty if there was nothing to choose.
     reasons
         For each class why it has one mode whatever the candidate, or None.
+    repetition
+        p-value of the looks at an object agreeing no more often than looks at others of its class
+        (`beltsort.tables.independence.repetition_p_value`); None if there was nothing to choose.
+    unseen
+        Log-loss of the classes' shares among the objects, without a look.
     """
 
     name: str
@@ -101,6 +109,8 @@ class ModeChoice:
     scores: tuple[Score, ...]
     gains: tuple[Gain, ...]
     reasons: tuple[str | None, ...]
+    repetition: float | None = None
+    unseen: float = np.inf
 
     @property
     def tables(self) -> ModeTables:
@@ -124,7 +134,13 @@ class ModeChoice:
                 f"the fewest kinds within {within} of the best, {best.name} ({best.log_loss:.3f}, "
                 f"{chosen.excess:.3f} +- {chosen.excess_error:.3f} lower)"
             )
-        return f"Chosen on held-out objects: {self.name}, {chosen.kinds} kinds ({own}{than}), {why}."
+        text = f"Chosen on held-out objects: {self.name}, {chosen.kinds} kinds ({own}{than}), {why}."
+        if chosen.log_loss + chosen.error > self.unseen:
+            text += (
+                f" Warning: without a look it is {self.unseen:.3f}, so these tables say little about objects "
+                "that they were not fitted to."
+            )
+        return text
 
 
 def candidates(looks: RepeatedLooks, settings: ModeSettings, most: int = MOST_MODES) -> Iterator[Candidate]:
@@ -156,6 +172,11 @@ def choose_modes(
     object to object, so by its standard error one mode would almost always do. A difference of 1 % is
     negligible, whatever its standard error.
 
+    With few objects the difference has a large standard error, and one mode is as good as any. But
+    independent looks are an assumption that can be tested (`repetition_p_value`), and where it fails, a
+    belief grows certain of whatever the first labels were. So if it is rejected with p < 0.01, one mode is
+    chosen only if its log-loss is the lowest.
+
     Parameters
     ----------
     looks
@@ -185,14 +206,29 @@ def choose_modes(
     fits = [choice.fit(looks) for choice in choices]
     scores = _scores(choices, fits, predictions)
     order = sorted(range(len(scores)), key=lambda i: scores[i].kinds)
-    chosen = next(i for i in order if scores[i].is_as_good)
+    repetition = repetition_p_value(looks, seed)
+    chosen = next(
+        i
+        for i in order
+        if scores[i].is_as_good
+        and (scores[i].name != ONE_MODE or repetition >= DEPENDENT or scores[i].excess == 0.0)
+    )
     half_objects = cross_validated(choices[chosen], shuffled, dealt, partial(_half_of_objects, seed=seed))
     half_looks = cross_validated(choices[chosen], shuffled, dealt, partial(RepeatedLooks.first, share=0.5))
     gains = (
         _gain("objects", half_objects, predictions[chosen]),
         _gain("looks at each object", half_looks, predictions[chosen]),
     )
-    return ModeChoice(scores[chosen].name, fits[chosen], tuple(scores[i] for i in order), gains, reasons)
+    shares = np.bincount(looks.true, minlength=looks.shape.classes) / len(looks)
+    return ModeChoice(
+        scores[chosen].name,
+        fits[chosen],
+        tuple(scores[i] for i in order),
+        gains,
+        reasons,
+        repetition,
+        float(entr(shares).sum()),
+    )
 
 
 def _latent(looks: RepeatedLooks, modes: int, settings: ModeSettings) -> ModeTables:

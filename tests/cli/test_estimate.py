@@ -59,6 +59,7 @@ def test_from_a_folder(folder: str, classifier: str, config: CellConfig, tmp_pat
     assert result["scans"] == 16
     assert result["worst_row"]["error"] == np.max(result["standard_errors"])
     assert result["missing_objects"] > 100
+    assert result["expected"]["simulated"]["looks"]["mean"] >= 0.0
     assert figure.read_bytes().startswith(b"\x89PNG")
 
     again = command(*given, "--error", "0.2")
@@ -66,6 +67,8 @@ def test_from_a_folder(folder: str, classifier: str, config: CellConfig, tmp_pat
     assert "p(observed | true = livarno), position 1" in again.stdout
     assert "tests of independence given the classes" in again.stdout
     assert "more objects in each row would bring every one to 0.2" not in again.stdout
+    assert "Expected, per object, by simulation of the model" in again.stdout
+    assert "Warning: " in again.stdout  # tables of two objects tell nothing apart
 
 
 OWN = """

@@ -6,8 +6,18 @@ import numpy as np
 import pytest
 
 from beltsort.tables import independence as module
-from beltsort.tables.independence import NEIGHBOUR, REPEAT, TWO_LABELS, IndependenceTest, holm, independence
+from beltsort.tables.independence import (
+    NEIGHBOUR,
+    REPEAT,
+    TWO_LABELS,
+    IndependenceTest,
+    holm,
+    independence,
+    repetition_p_value,
+)
+from beltsort.tables.repeated_looks import RepeatedLooks
 from beltsort.tables.scans import LabelledScan
+from tests.tables.planted import P_OBS, SHAPE, planted, planted_objects
 
 CLASSES = 3
 
@@ -95,3 +105,18 @@ def test_scans_without_labels_tell_nothing() -> None:
 def test_holm() -> None:
     tests = [IndependenceTest(REPEAT, k, (0,), 10, 0.1, p) for k, p in enumerate([0.04, 0.01, 0.03, 0.8])]
     assert [test.p for test in holm(tests)] == pytest.approx([0.09, 0.04, 0.09, 0.8])
+
+
+def test_independent_looks_are_rarely_taken_to_repeat_each_other() -> None:
+    """Under independence p is uniform, so below 0.1 in a tenth of the samples."""
+    alike = P_OBS[:, :, [0, 0, 2, 2]]
+    p = [
+        repetition_p_value(RepeatedLooks.of(planted_objects(24, scans=2, seed=seed, p_obs=alike), SHAPE))
+        for seed in range(40)
+    ]
+    assert 0 <= np.count_nonzero(np.array(p) < 0.1) <= 10
+    assert 0.3 < np.mean(p) < 0.7
+
+
+def test_looks_at_planted_modes_repeat_each_other() -> None:
+    assert repetition_p_value(planted(120, scans=2)) < 0.01

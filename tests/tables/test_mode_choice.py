@@ -8,7 +8,7 @@ from beltsort.calibration.reliability import Pairs, reliability
 from beltsort.tables.held_out import STAGES, log_posteriors, predict, stratified_folds
 from beltsort.tables.mode_choice import NAMED, ONE_MODE, STICKY, ModeChoice, Score, choose_modes
 from beltsort.tables.modes import ModeSettings, fit_modes
-from beltsort.tables.repeated_looks import LooksAtObject, RepeatedLooks
+from beltsort.tables.repeated_looks import LooksAtObject, RepeatedLooks, TableShape
 from beltsort.util.calibration_error import calibration_error
 from tests.tables.planted import P_OBS, SHAPE, TRUTH, planted, planted_objects
 
@@ -49,6 +49,33 @@ def test_one_mode_is_chosen_where_there_is_one() -> None:
     chosen = choose_modes(looks, most=2, settings=FAST)
     assert chosen.name == ONE_MODE
     assert chosen.tables.kinds == 2
+    assert "Warning" not in str(chosen)
+
+
+def stuck_objects(number: int, seed: int = 1) -> RepeatedLooks:
+    """Draw objects of two classes that return a label of their own, three in four that of their class."""
+    rng = np.random.default_rng(seed)
+    objects = []
+    for n in range(number):
+        own = n % 2 if rng.random() < 0.75 else 1 - n % 2
+        looks = tuple((0, k, own if rng.random() < 0.95 else 1 - own) for k in (0, 1) for _ in range(3))
+        objects.append(LooksAtObject(n % 2, looks))
+    return RepeatedLooks.of(objects, TableShape(positions=1, viewpoints=2, classes=2, labels=2))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_few_objects_whose_looks_repeat_do_not_have_one_mode(seed: int) -> None:
+    chosen = choose_modes(stuck_objects(16, seed), most=2, folds=4, settings=FAST)
+    assert chosen.repetition is not None
+    assert chosen.repetition < 0.01
+    assert chosen.name != ONE_MODE or score(chosen, ONE_MODE).excess == 0.0
+
+
+def test_tables_that_say_nothing_of_other_objects_are_named() -> None:
+    objects = [LooksAtObject(n % 2, ((0, 0, n // 2 % 2),) * 4) for n in range(16)]
+    chosen = choose_modes(RepeatedLooks.of(objects, TableShape(1, 1, 2, 2)), most=2, folds=4, settings=FAST)
+    assert chosen.unseen == pytest.approx(np.log(2.0))
+    assert "Warning: without a look it is 0.693" in str(chosen)
 
 
 @pytest.mark.parametrize(
