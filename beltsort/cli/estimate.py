@@ -1,29 +1,21 @@
 """`beltsort estimate`: estimate observation tables from scans of objects with known classes."""
 
-import hashlib
-import json
 from argparse import Namespace
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
+from beltsort.cli.labelling import SEED, SIMULATED, Labelled, labelled_scans
 from beltsort.cli.output import print_json, print_status
-from beltsort.cli.progress import tenths
 from beltsort.sim.config import TABLE_OBJECTS
 
 if TYPE_CHECKING:
-    from beltsort.perception import Classifier, LabelRule
     from beltsort.planning.expectation import Expectation
     from beltsort.tables.estimate import Estimate
-    from beltsort.tables.log import LabelLog
-    from beltsort.tables.matches import MatchedScan, MatchLog
-    from beltsort.tables.recording import Recording
-    from beltsort.tables.scans import LabelledScan
+    from beltsort.tables.mode_choice import ModeChoice
 
-SIMULATED = "simulated"
-SEED = 0
+MOST_MODES = 8
 FIGURES = (".png", ".svg", ".pdf")
 DESCRIPTION = """
 Estimate observation tables from scans of the simulated cell, or from a folder of recorded scans
@@ -73,6 +65,14 @@ def add_parser(subparsers: Subparsers) -> None:
         help="levels of confidence of the labels, 1 to 4, or `auto`: chosen by the log-loss of held-out "
         "objects (default: labels are the classes)",
     )
+    parser.add_argument(
+        "--modes",
+        choices=["auto", *map(str, range(1, MOST_MODES + 1))],
+        metavar="N",
+        help=f"modes of each class, 1 to {MOST_MODES}, by which looks at one object depend on each other, or "
+        "`auto`: chosen by the log-loss of held-out objects; needs three looks or more at each object "
+        "(default: 1)",
+    )
     parser.add_argument("--figure", type=Path, metavar="PNG", help="draw the tables")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
     add_json(parser)
@@ -88,6 +88,7 @@ def run(arguments: Namespace) -> int:
     check(arguments)
     labelled = labelled_scans(arguments)
     classes, viewpoints = labelled.classes, labelled.viewpoints
+    choice = modes_of(labelled, arguments)
     result = estimate(
         labelled.scans,
         classes,
@@ -96,6 +97,7 @@ def run(arguments: Namespace) -> int:
         smoothing=arguments.smoothing,
         repeats=arguments.repeats,
         error=arguments.error,
+        modes=None if choice is None else choice.tables,
         note=f"made by: {arguments.command_line}",
     )
     result.model.save(arguments.output)
@@ -104,7 +106,11 @@ def run(arguments: Namespace) -> int:
         draw_tables(result.counts, result.smoothing, classes, viewpoints, arguments.figure, labels)
     expected = expectation(result.model)
     if arguments.json:
-        settings = {"model": str(arguments.output), "wanted_error": arguments.error}
+        settings = {
+            "model": str(arguments.output),
+            "wanted_error": arguments.error,
+            "modes": None if choice is None else choice.to_dict(),
+        }
         print_json({**settings, **result.to_dict(), "expected": expected.to_dict()})
     else:
         show(result, expected, arguments)
@@ -119,6 +125,11 @@ def check(arguments: Namespace) -> None:
     check_writable(arguments.output)
     check_smoothing(arguments.smoothing, labels=1)
     check_error(arguments.error)
+    if arguments.modes not in (None, "1") and arguments.repeats:
+        raise ArgumentError(
+            f"--modes {arguments.modes} and --repeats are both given; modes carry how looks depend on each "
+            "other: leave --repeats out"
+        )
     if arguments.figure is not None:
         check_writable(arguments.figure)
         if arguments.figure.suffix not in FIGURES:
@@ -128,155 +139,27 @@ def check(arguments: Namespace) -> None:
             )
 
 
-class Labelled(NamedTuple):
-    """Labelled scans, the names of classes and viewpoints, and the rule that made the labels, if any."""
+def modes_of(labelled: Labelled, arguments: Namespace) -> "ModeChoice | None":
+    """Fit tables of modes, print what was chosen and why, and return that; None if one mode is given."""
+    if arguments.modes in (None, "1"):
+        return None
+    from beltsort.tables.mode_choice import choose_modes, fixed_modes
+    from beltsort.tables.modes import ModeSettings
+    from beltsort.tables.repeated_looks import RepeatedLooks, TableShape, looks_at_objects
 
-    classes: list[str]
-    viewpoints: list[str]
-    scans: "list[LabelledScan]"
-    rule: "LabelRule | None"
-
-
-def labelled_scans(arguments: Namespace) -> Labelled:
-    """Label the scans of the cell."""
-    if arguments.cell != SIMULATED:
-        from beltsort.tables.recording import read_recording
-
-        check_recorded(arguments)
-        return from_recording(read_recording(Path(arguments.cell)), classifier(arguments), arguments)
-    objects = TABLE_OBJECTS if arguments.objects is None else arguments.objects
-    seed = SEED if arguments.seed is None else arguments.seed
-    if arguments.record is None:
-        return from_simulation(classifier(arguments), arguments, objects, seed)
-    from beltsort.sim.record import record_simulated
-
-    recording = record_simulated(
-        arguments.record,
-        objects=objects,
-        seed=seed,
-        workers=arguments.workers,
-        progress=tenths("recording"),
-    )
-    return from_recording(recording, classifier(arguments), arguments)
-
-
-def check_recorded(arguments: Namespace) -> None:
-    """Reject options that do not apply to a folder of recorded scans, and require a classifier."""
-    for name in ("record", "objects", "seed"):
-        if (given := getattr(arguments, name)) is not None:
-            raise ArgumentError(
-                f"--{name} {given} does not apply to {arguments.cell!r}, a folder of recorded scans; leave "
-                "it out"
-            )
-    if arguments.classifier is None:
-        raise ArgumentError(
-            "--classifier is missing, expected a file that NearestNeighbour.save wrote, with which to label "
-            "the recorded scans; `beltsort train` writes one"
-        )
-
-
-def classifier(arguments: Namespace) -> "Classifier":
-    """Return the given classifier, or one for the simulated cell that is trained once and saved."""
-    from beltsort.perception import load_classifier
-    from beltsort.sim.collect import collect_training
-
-    name = classifier_name(arguments)
-    if arguments.classifier is None and not Path(name).exists():
-        database = collect_training(workers=arguments.workers, progress=tenths("training"))
-        database.save(name)
-        print_status(f"classifier: {name}")
-    return load_classifier(name)
-
-
-def classifier_name(arguments: Namespace) -> str:
-    """Return the name of the classifier, of which a file need not exist yet."""
-    return arguments.classifier or str(arguments.output.with_suffix(".classifier.npz"))
-
-
-def from_simulation(database: "Classifier", arguments: Namespace, objects: int, seed: int) -> Labelled:
-    """Label scans of the simulated cell."""
-    from beltsort.sim import CellConfig
-    from beltsort.sim.collect import collect_matches, collect_scans
-
-    config = CellConfig()
-    settings = {"cell": SIMULATED, "seed": str(seed), "config": fingerprint(asdict(config))}
-    given = {"objects": objects, "seed": seed, "workers": arguments.workers, "progress": tenths("scans")}
-    viewpoints = [viewpoint.name for viewpoint in config.viewpoints]
-    if arguments.levels is None:
-        with log_beside(arguments, settings) as log:
-            scans = collect_scans(database, config, log=log, **given)
-        return Labelled(list(config.classes), viewpoints, scans, None)
-    with match_log_beside(arguments, settings) as matches:
-        matched = collect_matches(database, config, log=matches, **given)
-    return Labelled(list(config.classes), viewpoints, *with_levels(database, matched, viewpoints, arguments))
-
-
-def from_recording(recording: "Recording", database: "Classifier", arguments: Namespace) -> Labelled:
-    """Label recorded scans."""
-    from beltsort.tables.label import label_recording, match_recording
-
-    header = recording.header
-    settings = {"cell": "recorded", "layout": fingerprint(asdict(header.layout))}
-    given = {"workers": arguments.workers, "progress": tenths("scans")}
-    classes, viewpoints = list(header.classes), list(header.viewpoints)
-    if arguments.levels is None:
-        with log_beside(arguments, settings) as log:
-            scans = label_recording(recording, database, log=log, **given)
-        return Labelled(classes, viewpoints, scans, None)
-    with match_log_beside(arguments, settings) as matches:
-        matched = match_recording(recording, database, log=matches, **given)
-    return Labelled(classes, viewpoints, *with_levels(database, matched, viewpoints, arguments))
-
-
-def with_levels(
-    database: "Classifier", scans: "list[MatchedScan]", viewpoints: list[str], arguments: Namespace
-) -> "tuple[list[LabelledScan], LabelRule]":
-    """Label scans with a rule of so many levels, print how it was chosen, and return both."""
-    from beltsort.tables.confidence import fit_levels
-
-    levels = None if arguments.levels == "auto" else int(arguments.levels)
-    choice = fit_levels(database, scans, len(viewpoints), levels=levels, smoothing=arguments.smoothing)
-    losses = ", ".join(f"{loss:.3f}" for loss in choice.log_losses)
-    print_status(f"levels of confidence: {choice.rule.levels} (held-out log-loss {losses})")
-    return [scan.labelled(choice.rule) for scan in scans], choice.rule
-
-
-def log_beside(arguments: Namespace, settings: dict[str, str]) -> "LabelLog":
-    """Open the log of labels beside the model, and print the number of labels in it."""
-    from beltsort.tables.log import LabelLog
-
-    path = arguments.output.with_suffix(".labels")
-    log = LabelLog(path, settings | classifier_settings(arguments))
-    if known := len(log.labels()):
-        print_status(f"{known} scans are already labelled in {path}")
-    return log
-
-
-def match_log_beside(arguments: Namespace, settings: dict[str, str]) -> "MatchLog":
-    """Open the log of matches beside the model, and print the number of scans in it."""
-    from beltsort.tables.matches import MatchLog
-
-    path = arguments.output.with_suffix(".matches")
-    log = MatchLog(path, settings | classifier_settings(arguments))
-    if known := len(log.values()):
-        print_status(f"{known} scans are already classified in {path}")
-    return log
-
-
-def classifier_settings(arguments: Namespace) -> dict[str, str]:
-    """Return what a log is known to belong to: a database's content, or the name of another classifier."""
-    name = classifier_name(arguments)
-    return {"classifier": digest(Path(name).read_bytes() if Path(name).exists() else name.encode())}
-
-
-def fingerprint(settings: object) -> str:
-    """Return a hash of plain data."""
-    return digest(json.dumps(settings, sort_keys=True).encode())
-
-
-def digest(content: bytes) -> str:
-    """Return a hash of bytes: 16 hexadecimal digits."""
-    return hashlib.sha256(content).hexdigest()[:16]
+    labels = len(labelled.classes if labelled.rule is None else labelled.rule.labels)
+    positions = len(labelled.scans[0].true) if labelled.scans else 1
+    shape = TableShape(positions, len(labelled.viewpoints), len(labelled.classes), labels)
+    looks = RepeatedLooks.of(looks_at_objects(labelled.scans, labelled.named_modes), shape)
+    settings = ModeSettings(smoothing=arguments.smoothing)
+    if arguments.modes == "auto":
+        choice = choose_modes(looks, settings=settings)
+    else:
+        choice = fixed_modes(looks, int(arguments.modes), settings)
+    print_status(str(choice))
+    for gain in choice.gains:
+        print_status(str(gain))
+    return choice
 
 
 def show(result: "Estimate", expected: "Expectation", arguments: Namespace) -> None:
@@ -285,10 +168,11 @@ def show(result: "Estimate", expected: "Expectation", arguments: Namespace) -> N
 
     model = result.model
     names = (model.classes, model.viewpoints)
+    by_class = result.counts.probabilities(result.smoothing)
     print(f"{result.scans} scans; smoothing {result.smoothing:g}")
     for true in range(len(model.classes)):
-        print(f"\n{table_one(model.p_obs, *names, true, model.labels)}")
-    print(f"\n{table_two(model.p_obs, *names, labels=model.labels)}")
+        print(f"\n{table_one(by_class, *names, true, model.labels)}")
+    print(f"\n{table_two(by_class, *names, labels=model.labels)}")
     print(f"\n{intervals_text(result.counts, result.smoothing, *names, model.labels)}")
     print(f"\n{agreement_text(result.counts, model.viewpoints)}")
     print(f"\n{independence_text(result.tests, model.viewpoints)}")

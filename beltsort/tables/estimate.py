@@ -15,6 +15,7 @@ from beltsort.tables.intervals import (
     standard_errors,
     worst_row,
 )
+from beltsort.tables.modes import ModeTables
 from beltsort.tables.scans import LabelledScan, looks
 from beltsort.util.text import number_or_none
 
@@ -28,9 +29,9 @@ class Estimate:
     Attributes
     ----------
     model
-        The model; it includes the counts and the smoothing.
+        The model; it includes the smoothing, and the counts unless it has modes.
     counts
-        Label counts of independent objects.
+        Label counts of independent objects, by class.
     scans
         Number of scans.
     worst
@@ -69,7 +70,12 @@ class Estimate:
         view = self.model.viewpoints[test.viewpoint]
         if test.assumption == REPEAT:
             repeat = self.counts.repeat()[test.positions[0], test.viewpoint]
-            remedy = "" if self.model.repeat.any() else "; --repeats puts it into the model"
+            if any(len(weights) > 1 for weights in self.model.modes):
+                remedy = ", which the modes of the model carry"
+            else:
+                remedy = (
+                    "" if self.model.repeat.any() else "; --modes auto or --repeats puts it into the model"
+                )
             return (
                 f"position {where} from {view}: two scans of one object agree more often than two objects "
                 f"({test.excess:+.3f}, {details}); a second look repeats the first with probability "
@@ -92,6 +98,7 @@ class Estimate:
             "counts": self.counts.counts.tolist(),
             "missed": self.counts.missed.tolist(),
             "p_obs": self.model.p_obs.tolist(),
+            "mode_weights": self.model.modes,
             "standard_errors": standard_errors(self.counts, self.smoothing).tolist(),
             "lower": lower.tolist(),
             "upper": upper.tolist(),
@@ -113,6 +120,7 @@ def estimate(
     error: float = 0.03,
     note: str = "",
     rule: LabelRule | None = None,
+    modes: ModeTables | None = None,
 ) -> Estimate:
     """Estimate a model from labelled scans.
 
@@ -130,6 +138,9 @@ def estimate(
         The model's note.
     rule
         The rule that the scans are labelled with, which the model keeps; default: the labels are the classes.
+    modes
+        Tables of the modes of the classes, fitted to the same scans, for the model; default: one mode each.
+        The statistics are those of the classes all the same.
 
     Returns
     -------
@@ -154,9 +165,18 @@ def estimate(
         raise beltsort.ArgumentError("there are 0 labelled scans, expected at least one: scan some objects")
     shape = len(scans[0].true), len(viewpoints), len(classes)
     counts = count(looks(scans), *shape, None if rule is None else rule.label_classes)
-    labels = {} if rule is None else {"labels": rule.labels, "label_rule": rule.to_dict()}
+    labels: dict[str, Any] = {} if rule is None else {"labels": rule.labels, "label_rule": rule.to_dict()}
+    if modes is None or modes.kinds == len(classes):
+        model = counts.model(classes, viewpoints, smoothing=smoothing, repeats=repeats, note=note, **labels)
+    elif repeats:
+        raise beltsort.ArgumentError(
+            "repeats and modes are both given; modes carry how looks depend on each other: leave repeats out"
+        )
+    else:
+        labels |= {"modes": [list(each) for each in modes.weights], "smoothing": smoothing}
+        model = beltsort.SortingModel(classes, viewpoints, modes.p_obs, note=note, **labels)
     return Estimate(
-        counts.model(classes, viewpoints, smoothing=smoothing, repeats=repeats, note=note, **labels),
+        model,
         counts,
         len(scans),
         worst_row(counts, smoothing, error),

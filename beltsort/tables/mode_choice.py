@@ -1,8 +1,9 @@
 """Choose how many modes the classes have, by the log-loss of held-out objects."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.special import entr
@@ -117,8 +118,21 @@ class ModeChoice:
         """The chosen tables as tables of kinds."""
         return self.fitted.as_modes()
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return what was chosen, the scores of all candidates and the gains as plain data for JSON."""
+        return {
+            "chosen": self.name,
+            "weights": [list(each) for each in self.tables.weights],
+            "scores": [asdict(score) for score in self.scores],
+            "gains": [asdict(gain) for gain in self.gains],
+            "reasons": list(self.reasons),
+            "repetition": self.repetition,
+        }
+
     def __str__(self) -> str:
         """Say in one sentence what was chosen and why."""
+        if not self.scores and self.tables.kinds > len(self.reasons):
+            return f"Tables of {self.name} per class, {self.tables.kinds} kinds, as given."
         if not self.scores:
             reason = next(iter(dict.fromkeys(filter(None, self.reasons))), "a single object")
             return f"One mode per class: {reason}."
@@ -141,6 +155,12 @@ class ModeChoice:
                 "that they were not fitted to."
             )
         return text
+
+
+def fixed_modes(looks: RepeatedLooks, modes: int, settings: ModeSettings | None = None) -> ModeChoice:
+    """Fit tables with a given number of modes; a class with too few objects or looks has one, and why."""
+    fitted = fit_modes(looks.without_modes(), modes, settings or ModeSettings())
+    return ModeChoice(f"{modes} modes", fitted, (), (), one_mode_reasons(looks))
 
 
 def candidates(looks: RepeatedLooks, settings: ModeSettings, most: int = MOST_MODES) -> Iterator[Candidate]:

@@ -117,6 +117,19 @@ def test_with_levels_of_confidence(
     assert "p(observed | true = livarno), position 1" in said.out
 
 
+def test_with_modes(folder: str, classifier: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = tmp_path / "model.json"
+    given = ["estimate", folder, "--classifier", classifier, "-o", str(model), "--workers", "1"]
+    assert main([*given, "--modes", "auto", "--json"]) == 0
+    said = capsys.readouterr()
+    chosen = json.loads(said.out)["modes"]
+    assert "one mode per class" in said.err.lower()  # two looks at an object identify none
+    assert all(reason is not None for reason in chosen["reasons"])
+    assert beltsort.SortingModel.load(model).modes == [[1.0]] * 4
+    assert main([*given, "--modes", "2", "--repeats"]) == 2
+    assert re.search(r"--modes 2.*--repeats.*leave", capsys.readouterr().err)
+
+
 def test_killed_and_begun_again(classifier: str, tmp_path: Path) -> None:
     path = tmp_path / "model.json"
     given = [

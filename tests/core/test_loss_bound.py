@@ -27,6 +27,7 @@ from beltsort.planning.loss_bound import CONFIDENCE, LossBound, loss_bound
 
 from .models import random_model, seeing_model
 from .policies import LookThenDecide
+from .solving import solved_until, within
 
 LONG = 60  # decisions, at least a step each: discount^steps is below 0.05
 

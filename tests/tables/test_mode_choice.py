@@ -1,14 +1,18 @@
 """The number of modes is chosen by held-out objects."""
 
+import json
+
 import numpy as np
 import pytest
 
 from beltsort import ArgumentError
 from beltsort.calibration.reliability import Pairs, reliability
+from beltsort.perception import LabelRule
+from beltsort.tables import LabelledScan, estimate
 from beltsort.tables.held_out import STAGES, log_posteriors, predict, stratified_folds
-from beltsort.tables.mode_choice import NAMED, ONE_MODE, STICKY, ModeChoice, Score, choose_modes
+from beltsort.tables.mode_choice import NAMED, ONE_MODE, STICKY, ModeChoice, Score, choose_modes, fixed_modes
 from beltsort.tables.modes import ModeSettings, fit_modes
-from beltsort.tables.repeated_looks import LooksAtObject, RepeatedLooks, TableShape
+from beltsort.tables.repeated_looks import LooksAtObject, RepeatedLooks, TableShape, looks_at_objects
 from beltsort.util.calibration_error import calibration_error
 from tests.tables.planted import P_OBS, SHAPE, TRUTH, planted, planted_objects
 
@@ -157,3 +161,31 @@ def test_folds_are_stratified() -> None:
 def test_folds_that_make_no_sense(true: list[int], folds: int) -> None:
     with pytest.raises(ArgumentError, match="folds, expected at least 2"):
         stratified_folds(true, folds, seed=0)
+
+
+def scan_of(name: str, true: int, look: tuple[int, int, int | None]) -> LabelledScan:
+    """A scan that shows one object."""
+    position, viewpoint, label = look
+    only = [j == position for j in range(SHAPE.positions)]
+    return LabelledScan(
+        viewpoint,
+        tuple(true if here else None for here in only),
+        tuple(name if here else None for here in only),
+        tuple(label if here else None for here in only),
+    )
+
+
+def test_an_estimate_has_the_modes() -> None:
+    objects = planted_objects(200, scans=2)
+    scans = [scan_of(f"{n}", each.true, look) for n, each in enumerate(objects) for look in each.looks]
+    looks = RepeatedLooks.of(looks_at_objects(scans), SHAPE)
+    choice = fixed_modes(looks, 2, FAST)
+    rule = LabelRule(("nut", "bolt"), not_recognised=True)
+    result = estimate(scans, rule.classes, ["left", "right"], rule=rule, modes=choice.tables)
+    np.testing.assert_allclose(result.model.p_obs, choice.tables.p_obs)
+    np.testing.assert_allclose(result.model.modes, choice.tables.weights)
+    assert result.counts.counts.shape == (2, 2, 2, 3)
+    with pytest.raises(ArgumentError, match=r"repeats.*modes"):
+        estimate(scans, rule.classes, ["left", "right"], rule=rule, modes=choice.tables, repeats=True)
+    assert "2 modes" in str(choice)
+    assert json.loads(json.dumps(choice.to_dict()))["chosen"] == "2 modes"

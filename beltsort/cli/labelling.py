@@ -1,0 +1,178 @@
+"""Labels of the scans that `beltsort estimate` is given, and the logs beside its model."""
+
+import hashlib
+import json
+from argparse import Namespace
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from beltsort import ArgumentError
+from beltsort.cli.output import print_status
+from beltsort.cli.progress import tenths
+from beltsort.sim.config import TABLE_OBJECTS
+
+if TYPE_CHECKING:
+    from beltsort.perception import Classifier, LabelRule
+    from beltsort.tables.log import LabelLog
+    from beltsort.tables.matches import MatchedScan, MatchLog
+    from beltsort.tables.recording import Recording
+    from beltsort.tables.scans import LabelledScan
+
+SIMULATED = "simulated"
+SEED = 0
+
+
+class Labelled(NamedTuple):
+    """Labelled scans, the names of classes and viewpoints, and the rule that made the labels, if any."""
+
+    classes: list[str]
+    viewpoints: list[str]
+    scans: "list[LabelledScan]"
+    rule: "LabelRule | None"
+    named_modes: dict[str, str]
+
+
+def labelled_scans(arguments: Namespace) -> Labelled:
+    """Label the scans of the cell."""
+    if arguments.cell != SIMULATED:
+        from beltsort.tables.recording import read_recording
+
+        check_recorded(arguments)
+        return from_recording(read_recording(Path(arguments.cell)), classifier(arguments), arguments)
+    objects = TABLE_OBJECTS if arguments.objects is None else arguments.objects
+    seed = SEED if arguments.seed is None else arguments.seed
+    if arguments.record is None:
+        return from_simulation(classifier(arguments), arguments, objects, seed)
+    from beltsort.sim.record import record_simulated
+
+    recording = record_simulated(
+        arguments.record,
+        objects=objects,
+        seed=seed,
+        workers=arguments.workers,
+        progress=tenths("recording"),
+    )
+    return from_recording(recording, classifier(arguments), arguments)
+
+
+def check_recorded(arguments: Namespace) -> None:
+    """Reject options that do not apply to a folder of recorded scans, and require a classifier."""
+    for name in ("record", "objects", "seed"):
+        if (given := getattr(arguments, name)) is not None:
+            raise ArgumentError(
+                f"--{name} {given} does not apply to {arguments.cell!r}, a folder of recorded scans; leave "
+                "it out"
+            )
+    if arguments.classifier is None:
+        raise ArgumentError(
+            "--classifier is missing, expected a file that NearestNeighbour.save wrote, with which to label "
+            "the recorded scans; `beltsort train` writes one"
+        )
+
+
+def classifier(arguments: Namespace) -> "Classifier":
+    """Return the given classifier, or one for the simulated cell that is trained once and saved."""
+    from beltsort.perception import load_classifier
+    from beltsort.sim.collect import collect_training
+
+    name = classifier_name(arguments)
+    if arguments.classifier is None and not Path(name).exists():
+        database = collect_training(workers=arguments.workers, progress=tenths("training"))
+        database.save(name)
+        print_status(f"classifier: {name}")
+    return load_classifier(name)
+
+
+def classifier_name(arguments: Namespace) -> str:
+    """Return the name of the classifier, of which a file need not exist yet."""
+    return arguments.classifier or str(arguments.output.with_suffix(".classifier.npz"))
+
+
+def from_simulation(database: "Classifier", arguments: Namespace, objects: int, seed: int) -> Labelled:
+    """Label scans of the simulated cell."""
+    from beltsort.sim import CellConfig
+    from beltsort.sim.collect import collect_matches, collect_scans
+
+    config = CellConfig()
+    settings = {"cell": SIMULATED, "seed": str(seed), "config": fingerprint(asdict(config))}
+    given = {"objects": objects, "seed": seed, "workers": arguments.workers, "progress": tenths("scans")}
+    viewpoints = [viewpoint.name for viewpoint in config.viewpoints]
+    if arguments.levels is None:
+        with log_beside(arguments, settings) as log:
+            scans = collect_scans(database, config, log=log, **given)
+        return Labelled(list(config.classes), viewpoints, scans, None, {})
+    with match_log_beside(arguments, settings) as matches:
+        matched = collect_matches(database, config, log=matches, **given)
+    return Labelled(
+        list(config.classes), viewpoints, *with_levels(database, matched, viewpoints, arguments), {}
+    )
+
+
+def from_recording(recording: "Recording", database: "Classifier", arguments: Namespace) -> Labelled:
+    """Label recorded scans."""
+    from beltsort.tables.label import label_recording, match_recording
+
+    header = recording.header
+    settings = {"cell": "recorded", "layout": fingerprint(asdict(header.layout))}
+    given = {"workers": arguments.workers, "progress": tenths("scans")}
+    classes, viewpoints = list(header.classes), list(header.viewpoints)
+    if arguments.levels is None:
+        with log_beside(arguments, settings) as log:
+            scans = label_recording(recording, database, log=log, **given)
+        return Labelled(classes, viewpoints, scans, None, recording.modes())
+    with match_log_beside(arguments, settings) as matches:
+        matched = match_recording(recording, database, log=matches, **given)
+    labelled = with_levels(database, matched, viewpoints, arguments)
+    return Labelled(classes, viewpoints, *labelled, recording.modes())
+
+
+def with_levels(
+    database: "Classifier", scans: "list[MatchedScan]", viewpoints: list[str], arguments: Namespace
+) -> "tuple[list[LabelledScan], LabelRule]":
+    """Label scans with a rule of so many levels, print how it was chosen, and return both."""
+    from beltsort.tables.confidence import fit_levels
+
+    levels = None if arguments.levels == "auto" else int(arguments.levels)
+    choice = fit_levels(database, scans, len(viewpoints), levels=levels, smoothing=arguments.smoothing)
+    losses = ", ".join(f"{loss:.3f}" for loss in choice.log_losses)
+    print_status(f"levels of confidence: {choice.rule.levels} (held-out log-loss {losses})")
+    return [scan.labelled(choice.rule) for scan in scans], choice.rule
+
+
+def log_beside(arguments: Namespace, settings: dict[str, str]) -> "LabelLog":
+    """Open the log of labels beside the model, and print the number of labels in it."""
+    from beltsort.tables.log import LabelLog
+
+    path = arguments.output.with_suffix(".labels")
+    log = LabelLog(path, settings | classifier_settings(arguments))
+    if known := len(log.labels()):
+        print_status(f"{known} scans are already labelled in {path}")
+    return log
+
+
+def match_log_beside(arguments: Namespace, settings: dict[str, str]) -> "MatchLog":
+    """Open the log of matches beside the model, and print the number of scans in it."""
+    from beltsort.tables.matches import MatchLog
+
+    path = arguments.output.with_suffix(".matches")
+    log = MatchLog(path, settings | classifier_settings(arguments))
+    if known := len(log.values()):
+        print_status(f"{known} scans are already classified in {path}")
+    return log
+
+
+def classifier_settings(arguments: Namespace) -> dict[str, str]:
+    """Return what a log is known to belong to: a database's content, or the name of another classifier."""
+    name = classifier_name(arguments)
+    return {"classifier": digest(Path(name).read_bytes() if Path(name).exists() else name.encode())}
+
+
+def fingerprint(settings: object) -> str:
+    """Return a hash of plain data."""
+    return digest(json.dumps(settings, sort_keys=True).encode())
+
+
+def digest(content: bytes) -> str:
+    """Return a hash of bytes: 16 hexadecimal digits."""
+    return hashlib.sha256(content).hexdigest()[:16]
