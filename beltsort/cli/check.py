@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from beltsort.cellfile.check import CellCheck, View
     from beltsort.cellfile.composed import ComposedCell
     from beltsort.cellfile.description import CellDescription
-    from beltsort.planning.expectation import Expectation
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -34,13 +33,18 @@ def run(arguments: Namespace) -> int:
     """Run the command."""
     from rich.console import Console
 
+    from beltsort.cellfile.bins import with_bins_of
     from beltsort.cellfile.check import check_cell
     from beltsort.cellfile.composed import compose
     from beltsort.cellfile.description import CellDescription
+    from beltsort.planning.expectation import expectation
     from beltsort.sorting.locks import devices_locked
 
     console = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
     description = CellDescription.load(arguments.cell)
+    model = model_of(description)
+    if model is not None:
+        description = with_bins_of(model, description)
     calls: list[Recorded] = []
     devices: list[object] = []
     cell = compose(
@@ -53,7 +57,7 @@ def run(arguments: Namespace) -> int:
     print_cell_mode(console, description, cell)
     with devices_locked(devices):
         found = check_cell(cell, description.check)
-    expected = expected_of_model(description)
+    expected = None if model is None else expectation(model, max_looks=description.rules.max_looks)
     if arguments.json:
         promised = None if expected is None else expected.to_dict()
         limits = description.check.model_dump()
@@ -67,18 +71,15 @@ def run(arguments: Namespace) -> int:
     return EXCEEDED if found.exceeded else 0
 
 
-def expected_of_model(description: "CellDescription") -> "Expectation | None":
-    """Return what the cell file's model promises; None without a model file, or if it cannot be read."""
-    from beltsort.planning.expectation import expectation
-
+def model_of(description: "CellDescription") -> SortingModel | None:
+    """Return the cell file's model; None without a model file, or if it cannot be read."""
     if description.model is None:
         return None
     try:
-        model = SortingModel.load(description.path(description.model))
+        return SortingModel.load(description.path(description.model))
     except BeltsortError as reason:
         print_status(f"Warning: {reason}.")
         return None
-    return expectation(model, max_looks=description.rules.max_looks)
 
 
 def as_json(cell: "ComposedCell", found: "CellCheck", calls: "list[Recorded]") -> dict[str, Any]:

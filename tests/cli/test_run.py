@@ -109,8 +109,9 @@ def test_bins_need_not_be_the_classes(folder: Path, capsys: pytest.CaptureFixtur
     assert main(["show", result["folder"], "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)["decisions"]
     assert [d["decided"] for d in shown] == [d["decided"] for d in result["decisions"]]
-    assert main(["run", cell_file(folder), "--objects", "1"]) == exit_codes.WRONG
-    assert "bins: is missing" in capsys.readouterr().err
+    for command in (["run", cell_file(folder), "--objects", "1"], ["check", cell_file(folder)]):
+        assert main(command) == exit_codes.WRONG
+        assert "bins: is missing" in capsys.readouterr().err
 
 
 def test_a_models_rule_makes_its_labels(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
