@@ -133,7 +133,7 @@ def test_a_senseless_number_of_levels_is_refused(levels: Any) -> None:
 
 def test_what_cannot_be_fitted_is_refused() -> None:
     with pytest.raises(beltsort.ArgumentError, match=r"\bmethod\b.*'mean'.*'quantiles'.*'information'"):
-        fit_label_rule(CLASSES, [], [], 2, method="mean")  # type: ignore[arg-type]  # what is tested
+        fit_label_rule(CLASSES, [], [], 2, method="mean")  # type: ignore[arg-type]  # the mistake under test
     with pytest.raises(beltsort.ArgumentError, match=r"\b0 matches\b"):
         fit_label_rule(CLASSES, [Match(None, np.ones(3), np.ones(3))], [0])
     with pytest.raises(DatabaseError, match=r"\bdistances\b"):

@@ -93,7 +93,7 @@ class Own:
     classes = CLASSES
 
     def classify(self, points: Points, camera: Points) -> Match:
-        raise NotImplementedError
+        pytest.fail("scans that are matched are not classified again")
 
 
 def test_levels_are_fitted_with_a_classifier_of_ones_own() -> None:
