@@ -112,7 +112,7 @@ class SortingModel:
         empty: str | None = None,
         label_rule: dict[str, Any] | None = None,
         counts: ArrayLike | None = None,
-        smoothing: float | None = None,
+        smoothing: ArrayLike | None = None,
         note: str = "",
     ) -> SortingModel: ...
     @staticmethod
@@ -149,7 +149,7 @@ class SortingModel:
     @property
     def discount(self) -> float: ...
     @property
-    def smoothing(self) -> float | None: ...
+    def smoothing(self) -> float | NDArray[np.float64] | None: ...
     @property
     def note(self) -> str: ...
     @property

@@ -66,7 +66,7 @@ def _simulated_run(model_text: str, truth_text: str, uncertain: bool, seed: int,
     rng = generator(seed, SIMULATED_STREAM, number)
     tables = truth.p_obs
     if uncertain:
-        posterior = np.asarray(truth.counts, dtype=np.float64) + float(truth.smoothing or 0.0)
+        posterior = np.asarray(truth.counts, dtype=np.float64) + np.asarray(truth.smoothing, dtype=np.float64)
         gammas = rng.standard_gamma(posterior)  # normalised, they are draws from a Dirichlet distribution
         tables = gammas / gammas.sum(axis=-1, keepdims=True)
     run = _Run(model, truth, _Labels(tables, truth.repeat, rng), rng)

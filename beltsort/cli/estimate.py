@@ -11,6 +11,9 @@ from beltsort.cli.output import print_json, print_status
 from beltsort.sim.config import TABLE_OBJECTS
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from beltsort.planning.expectation import Expectation
     from beltsort.tables.estimate import Estimate
     from beltsort.tables.mode_choice import ModeChoice
@@ -50,7 +53,12 @@ def add_parser(subparsers: Subparsers) -> None:
     )
     parser.add_argument("--seed", type=int, metavar="N", help=f"seed of `{SIMULATED}` (default: {SEED})")
     parser.add_argument(
-        "--smoothing", type=float, default=1.0, metavar="A", help="Dirichlet prior of each entry (default: 1)"
+        "--smoothing",
+        type=float,
+        metavar="A",
+        help="Dirichlet prior of each entry, such as 1; the larger, the less is learnt from few objects "
+        "(default: each row's prior is the share of right labels in all rows, with a weight that the counts "
+        "themselves suggest)",
     )
     parser.add_argument(
         "--error", type=float, default=0.03, metavar="E", help="target standard error (default: 0.03)"
@@ -123,7 +131,8 @@ def check(arguments: Namespace) -> None:
     from beltsort.tables.intervals import check_error
 
     check_writable(arguments.output)
-    check_smoothing(arguments.smoothing, labels=1)
+    if arguments.smoothing is not None:
+        check_smoothing(arguments.smoothing, labels=1)
     check_error(arguments.error)
     if arguments.modes not in (None, "1") and arguments.repeats:
         raise ArgumentError(
@@ -151,7 +160,7 @@ def modes_of(labelled: Labelled, arguments: Namespace) -> "ModeChoice | None":
     positions = len(labelled.scans[0].true) if labelled.scans else 1
     shape = TableShape(positions, len(labelled.viewpoints), len(labelled.classes), labels)
     looks = RepeatedLooks.of(looks_at_objects(labelled.scans, labelled.named_modes), shape)
-    settings = ModeSettings(smoothing=arguments.smoothing)
+    settings = ModeSettings(smoothing=prior_of(labelled, arguments))
     if arguments.modes == "auto":
         choice = choose_modes(looks, settings=settings)
     else:
@@ -162,6 +171,20 @@ def modes_of(labelled: Labelled, arguments: Namespace) -> "ModeChoice | None":
     return choice
 
 
+def prior_of(labelled: Labelled, arguments: Namespace) -> "float | NDArray[np.float64]":
+    """Return the pseudo-counts of the tables: as given, or what all rows have in common."""
+    if arguments.smoothing is not None:
+        return float(arguments.smoothing)
+    from beltsort.tables.counts import count
+    from beltsort.tables.pooling import pooled_prior
+    from beltsort.tables.scans import looks
+
+    positions = len(labelled.scans[0].true) if labelled.scans else 1
+    shape = positions, len(labelled.viewpoints), len(labelled.classes)
+    label_classes = None if labelled.rule is None else labelled.rule.label_classes
+    return pooled_prior(count(looks(labelled.scans), *shape, label_classes))
+
+
 def show(result: "Estimate", expected: "Expectation", arguments: Namespace) -> None:
     """Print the tables, their standard errors, tests of the model's assumptions, and what it promises."""
     from beltsort.tables.layout import agreement_text, independence_text, intervals_text, table_one, table_two
@@ -169,7 +192,7 @@ def show(result: "Estimate", expected: "Expectation", arguments: Namespace) -> N
     model = result.model
     names = (model.classes, model.viewpoints)
     by_class = result.counts.probabilities(result.smoothing)
-    print(f"{result.scans} scans; smoothing {result.smoothing:g}")
+    print(f"{result.scans} scans; {smoothing_text(result.smoothing)}")
     for true in range(len(model.classes)):
         print(f"\n{table_one(by_class, *names, true, model.labels)}")
     print(f"\n{table_two(by_class, *names, labels=model.labels)}")
@@ -187,3 +210,11 @@ def show(result: "Estimate", expected: "Expectation", arguments: Namespace) -> N
         print(f"Warning: {warning}.")
     print(f"\n{expected}")
     print(f"model: {arguments.output}")
+
+
+def smoothing_text(smoothing: "float | NDArray[np.float64]") -> str:
+    """Return the prior in words."""
+    if isinstance(smoothing, float):
+        return f"smoothing {smoothing:g}"
+    weight = smoothing[0, 0, 0].sum()
+    return f"each row is shrunk towards the share of right labels in all rows, by {weight:.1f} looks"

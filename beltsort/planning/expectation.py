@@ -180,7 +180,7 @@ def expectation(model: SortingModel, *, max_looks: int = DEFAULT_MAX_LOOKS, seed
     >>> promised = expectation(paper())
     >>> promised.warnings, promised.worst.classes
     ((), ('mushroom', 'standard'))
-    >>> chance = paper().replace(p_obs=np.full((2, 3, 4, 4), 0.25), counts=None)
+    >>> chance = paper().replace(p_obs=np.full((2, 3, 4, 4), 0.25))
     >>> for warning in expectation(chance).warnings:
     ...     print(warning.split(":")[0])
     100% of the decisions are forced by max_looks = 60

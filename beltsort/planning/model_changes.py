@@ -79,7 +79,6 @@ def with_viewpoint_like(model: SortingModel, name: str) -> SortingModel | None:
         motion_cost=model.motion_cost[np.ix_(viewpoints, viewpoints)],
         travel=travel,
         repeat=model.repeat[:, viewpoints],
-        counts=None,
     )
 
 

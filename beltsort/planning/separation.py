@@ -149,7 +149,7 @@ def cheapest_look(model: SortingModel) -> float:
 def independent_looks(model: SortingModel) -> SortingModel:
     """Return the model whose looks are independent given the class, each distributed as the first one."""
     one_mode = [[1.0]] * len(model.classes)
-    return model.replace(p_obs=class_tables(model), modes=one_mode, repeat=0.0, counts=None)
+    return model.replace(p_obs=class_tables(model), modes=one_mode, repeat=0.0)
 
 
 def entropy_left(model: SortingModel, looks: int, *, objects: int = 400, seed: int = 0) -> Array:

@@ -10,7 +10,7 @@ from beltsort.tables.log import LabelLog
 from beltsort.tables.matches import MatchedScan, MatchLog, Seen
 from beltsort.tables.mode_choice import ModeChoice, choose_modes
 from beltsort.tables.modes import ModeSettings, ModeTables, fit_modes
-from beltsort.tables.pooling import pooled_probabilities
+from beltsort.tables.pooling import pooled_prior
 from beltsort.tables.recording import read_recording
 from beltsort.tables.repeated_looks import LooksAtObject, RepeatedLooks, TableShape, looks_at_objects
 from beltsort.tables.scans import LabelledScan
@@ -43,7 +43,7 @@ __all__ = [
     "label_recording",
     "looks_at_objects",
     "match_recording",
-    "pooled_probabilities",
+    "pooled_prior",
     "read_recording",
     "table_one",
     "table_two",

@@ -20,6 +20,7 @@ from beltsort.perception.leave_one_out import leave_one_out
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.tables.counts import Look, count
 from beltsort.tables.matches import MatchedScan
+from beltsort.tables.pooling import pooled_prior
 from beltsort.tables.scans import LabelledScan
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ def fit_levels(
     viewpoints: int,
     *,
     levels: int | None = None,
-    smoothing: float = 1.0,
+    smoothing: float | None = None,
 ) -> RuleChoice:
     """Fit a rule of labels with confidence: its edges, and the number of levels unless it is given.
 
@@ -88,7 +89,7 @@ def choose_rule(
     scans: Sequence[MatchedScan],
     viewpoints: int,
     *,
-    smoothing: float = 1.0,
+    smoothing: float | None = None,
     seed: int = 0,
 ) -> RuleChoice:
     """Choose the rule whose labels predict the classes of new objects best.
@@ -152,7 +153,7 @@ def choose_rule(
 
 
 def _held_out_losses(
-    rule: LabelRule, scans: Sequence[MatchedScan], viewpoints: int, smoothing: float, seed: int
+    rule: LabelRule, scans: Sequence[MatchedScan], viewpoints: int, smoothing: float | None, seed: int
 ) -> Array:
     """Return the loss of each object with tables of the other parts, shape (objects,)."""
     objects = _looks_by_object([scan.labelled(rule) for scan in scans])
@@ -167,7 +168,8 @@ def _held_out_losses(
     for fold in range(min(FOLDS, len(objects))):
         fitted = [look for n, looks in enumerate(objects) if part[n] != fold for look in looks]
         counts = count(fitted, positions, viewpoints, len(rule.classes), rule.label_classes)
-        log_p = np.log(counts.probabilities(smoothing))
+        prior = pooled_prior(counts) if smoothing is None else smoothing
+        log_p = np.log(counts.probabilities(prior))
         for n in np.flatnonzero(part == fold):
             losses[n] = _loss(log_p, objects[n])
     return losses

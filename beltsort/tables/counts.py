@@ -61,22 +61,27 @@ class Counts:
     pairs: Integers
     label_classes: tuple[int | None, ...] | None = None
 
-    def probabilities(self, smoothing: float) -> Array:
+    def probabilities(self, smoothing: float | Array) -> Array:
         """Return the posterior mean of the observation table, shape (H, K, L, Z); rows sum to 1.
 
         Parameters
         ----------
         smoothing
-            Pseudo-counts added to every entry: the parameter of a symmetric Dirichlet prior. Positive, since
-            a zero in the table makes a belief irrevocable; 1 is a uniform prior. Too large pulls all rows
-            towards uniform.
+            Pseudo-counts added to every entry: the parameters of a Dirichlet prior, a number or of shape
+            (H, K, L, Z). Positive, since a zero in the table makes a belief irrevocable; 1 is a uniform
+            prior, `pooled_prior` one for few objects. Too large pulls all rows towards the prior.
 
         Raises
         ------
         ArgumentError
-            If `smoothing` is not positive or too large to add up.
+            If `smoothing` is not positive, too large to add up, or of another shape.
         """
         check_smoothing(smoothing, self.counts.shape[-1])
+        if np.ndim(smoothing) and np.shape(smoothing) != self.counts.shape:
+            raise beltsort.ArgumentError(
+                f"smoothing has shape {np.shape(smoothing)}, expected a number or an array of shape "
+                f"{self.counts.shape}: one pseudo-count for each entry"
+            )
         smoothed = self.counts + smoothing
         probabilities: Array = smoothed / smoothed.sum(axis=-1, keepdims=True)
         return probabilities
@@ -127,7 +132,7 @@ class Counts:
         classes: Sequence[str],
         viewpoints: Sequence[str],
         *,
-        smoothing: float = 1.0,
+        smoothing: float | Array = 1.0,
         repeats: bool = False,
         **settings: Any,
     ) -> "beltsort.SortingModel":
@@ -159,11 +164,13 @@ class Counts:
         )
 
 
-def check_smoothing(smoothing: float, labels: int) -> None:
+def check_smoothing(smoothing: float | Array, labels: int) -> None:
     """Raise an `ArgumentError` unless `smoothing` is positive and so many of it add up."""
-    if not (smoothing > 0.0 and np.isfinite(smoothing * labels)):
+    pseudo_counts = np.asarray(smoothing, dtype=np.float64)
+    wrong = pseudo_counts[~((pseudo_counts > 0.0) & np.isfinite(pseudo_counts * labels))]
+    if wrong.size:
         raise beltsort.ArgumentError(
-            f"smoothing is {smoothing}, expected a positive number, not infinite: zeros in a table make "
+            f"smoothing is {wrong.flat[0]}, expected a positive number, not infinite: zeros in a table make "
             "beliefs irrevocable; 1 is a uniform prior"
         )
 

@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 import beltsort
 from beltsort.perception.label_rule import LabelRule
-from beltsort.tables.counts import Counts, count
+from beltsort.tables.counts import Array, Counts, count
 from beltsort.tables.independence import REPEAT, IndependenceTest, independence
 from beltsort.tables.intervals import (
     WorstRow,
@@ -16,6 +18,7 @@ from beltsort.tables.intervals import (
     worst_row,
 )
 from beltsort.tables.modes import ModeTables
+from beltsort.tables.pooling import pooled_prior
 from beltsort.tables.scans import LabelledScan, looks
 from beltsort.util.text import number_or_none
 
@@ -29,9 +32,11 @@ class Estimate:
     Attributes
     ----------
     model
-        The model; it includes the smoothing, and the counts unless it has modes.
+        The model; it includes counts and smoothing unless it has modes.
     counts
         Label counts of independent objects, by class.
+    smoothing
+        Pseudo-counts of the prior: one number, or one for each entry, shape (H, K, L, Z).
     scans
         Number of scans.
     worst
@@ -44,15 +49,11 @@ class Estimate:
 
     model: "beltsort.SortingModel"
     counts: Counts
+    smoothing: float | Array
     scans: int
     worst: WorstRow
     missing: int
     tests: list[IndependenceTest]
-
-    @property
-    def smoothing(self) -> float:
-        """Pseudo-count of the prior that is added to each count."""
-        return float(self.model.smoothing or 0.0)
 
     def warnings(self) -> list[str]:
         """Return sentences on table rows without any object, and on assumptions that the scans contradict."""
@@ -94,7 +95,7 @@ class Estimate:
             "viewpoints": self.model.viewpoints,
             "labels": self.model.labels,
             "scans": self.scans,
-            "smoothing": self.smoothing,
+            "smoothing": np.asarray(self.smoothing).tolist(),
             "counts": self.counts.counts.tolist(),
             "missed": self.counts.missed.tolist(),
             "p_obs": self.model.p_obs.tolist(),
@@ -115,7 +116,7 @@ def estimate(
     classes: Sequence[str],
     viewpoints: Sequence[str],
     *,
-    smoothing: float = 1.0,
+    smoothing: float | Array | None = None,
     repeats: bool = False,
     error: float = 0.03,
     note: str = "",
@@ -130,7 +131,9 @@ def estimate(
         The scans, at least one.
     classes, viewpoints
         Names of the classes and viewpoints.
-    smoothing, repeats
+    smoothing
+        Pseudo-counts of the prior, as in `Counts.probabilities`; default: `pooled_prior` of the counts.
+    repeats
         As in `Counts.model`.
     error
         Target standard error of every entry; a 95 % interval extends about two standard errors to each side.
@@ -155,17 +158,19 @@ def estimate(
     Examples
     --------
     >>> scans = [LabelledScan(0, (i % 2,), (f"object {i}",), (i % 2,)) for i in range(20)]
-    >>> result = estimate(scans, ["nut", "bolt"], ["above"], error=0.05)
+    >>> result = estimate(scans, ["nut", "bolt"], ["above"], error=0.02)
     >>> result.model.p_obs[0, 0].round(3).tolist()
-    [[0.917, 0.083], [0.083, 0.917]]
+    [[0.989, 0.011], [0.011, 0.989]]
     >>> result.missing
-    18
+    15
     """
     if not scans:
         raise beltsort.ArgumentError("there are 0 labelled scans, expected at least one: scan some objects")
     shape = len(scans[0].true), len(viewpoints), len(classes)
     counts = count(looks(scans), *shape, None if rule is None else rule.label_classes)
     labels: dict[str, Any] = {} if rule is None else {"labels": rule.labels, "label_rule": rule.to_dict()}
+    if smoothing is None:
+        smoothing = pooled_prior(counts)
     if modes is None or modes.kinds == len(classes):
         model = counts.model(classes, viewpoints, smoothing=smoothing, repeats=repeats, note=note, **labels)
     elif repeats:
@@ -173,11 +178,12 @@ def estimate(
             "repeats and modes are both given; modes carry how looks depend on each other: leave repeats out"
         )
     else:
-        labels |= {"modes": [list(each) for each in modes.weights], "smoothing": smoothing}
+        labels["modes"] = [list(each) for each in modes.weights]
         model = beltsort.SortingModel(classes, viewpoints, modes.p_obs, note=note, **labels)
     return Estimate(
         model,
         counts,
+        smoothing,
         len(scans),
         worst_row(counts, smoothing, error),
         int(objects_needed(counts, smoothing, error).max()),

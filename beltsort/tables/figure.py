@@ -18,7 +18,7 @@ INCHES = 0.95  # of one entry
 
 def draw_tables(
     counts: Counts,
-    smoothing: float,
+    smoothing: float | Array,
     classes: Sequence[str],
     viewpoints: Sequence[str],
     path: Path,

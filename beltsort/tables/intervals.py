@@ -1,7 +1,7 @@
 """The statistical error of a table: standard errors, credible intervals, and how many objects are needed.
 
-Each row has a Dirichlet posterior, the symmetric prior of `Counts.probabilities` plus the counts; each entry
-of it has a Beta distribution.
+Each row has a Dirichlet posterior, the pseudo-counts of the prior of `Counts.probabilities` plus the counts;
+each entry of it has a Beta distribution.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from beltsort.tables.counts import Array, Counts
 CREDIBILITY = 0.95
 
 
-def standard_errors(counts: Counts, smoothing: float) -> Array:
+def standard_errors(counts: Counts, smoothing: float | Array) -> Array:
     """Return the posterior standard deviation of every entry, shape (H, K, L, Z).
 
     Examples
@@ -32,7 +32,7 @@ def standard_errors(counts: Counts, smoothing: float) -> Array:
     return errors
 
 
-def credible_intervals(counts: Counts, smoothing: float) -> tuple[Array, Array]:
+def credible_intervals(counts: Counts, smoothing: float | Array) -> tuple[Array, Array]:
     """Return the lower and upper ends of the 95 % intervals, equal tails, shape (H, K, L, Z) each."""
     return dirichlet_intervals(counts.counts.astype(np.float64) + smoothing)
 
@@ -71,7 +71,7 @@ class WorstRow:
     missing: int
 
 
-def worst_row(counts: Counts, smoothing: float, wanted: float) -> WorstRow:
+def worst_row(counts: Counts, smoothing: float | Array, wanted: float) -> WorstRow:
     """Return the row with the largest standard error.
 
     Parameters
@@ -94,7 +94,7 @@ def worst_row(counts: Counts, smoothing: float, wanted: float) -> WorstRow:
     return WorstRow(position, viewpoint, true, float(errors[row]), objects, int(needed[row]))
 
 
-def objects_needed(counts: Counts, smoothing: float, wanted: float) -> NDArray[np.int64]:
+def objects_needed(counts: Counts, smoothing: float | Array, wanted: float) -> NDArray[np.int64]:
     """Return how many more objects each row needs, shape (H, K, L): see `worst_row`."""
     check_error(wanted)
     mean = counts.probabilities(smoothing)

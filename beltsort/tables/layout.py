@@ -8,14 +8,9 @@ model", European Control Conference 2019.
 
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
-from beltsort.tables.counts import Counts
+from beltsort.tables.counts import Array, Counts
 from beltsort.tables.independence import IndependenceTest
 from beltsort.tables.intervals import credible_intervals
-
-Array = NDArray[np.float64]
 
 
 def table_one(
@@ -94,7 +89,7 @@ def agreement_text(counts: Counts, viewpoints: Sequence[str]) -> str:
 
 def intervals_text(
     counts: Counts,
-    smoothing: float,
+    smoothing: float | Array,
     classes: Sequence[str],
     viewpoints: Sequence[str],
     labels: Sequence[str] | None = None,

@@ -22,14 +22,15 @@ ENOUGH_LOOKS = 3  # looks at an object that identify its mode
 START_SPREAD = 4.0  # pseudo-looks of the random tables that EM starts from: the fewer, the farther apart
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModeSettings:
     """How modes are fitted.
 
     Attributes
     ----------
     smoothing
-        Pseudo-counts added to every entry of a class's own tables, as in `Counts.probabilities`.
+        Pseudo-counts added to every entry of a class's own tables, as in `Counts.probabilities`: a number, or
+        of shape (H, K, L, Z).
     pseudo_looks
         Looks that a mode's tables are shrunk towards the class's own with, in each row. Too few, and modes
         fit chance: they then predict worse than no modes. Too many, and all modes are alike.
@@ -48,7 +49,7 @@ class ModeSettings:
         If a number is out of range.
     """
 
-    smoothing: float = 1.0
+    smoothing: float | Array = 1.0
     pseudo_looks: float = 8.0
     position_looks: float = 32.0
     pseudo_objects: float = 1.0
@@ -224,7 +225,8 @@ class _ClassFit:
         self.settings = settings
         self.rng = generator(settings.seed, label)
         # All looks, not the first in each row alone: modes account for the dependence of further ones.
-        own = self.counts.sum(axis=0) + settings.smoothing
+        smoothing = np.broadcast_to(settings.smoothing, looks.first_counts().shape)
+        own = self.counts.sum(axis=0) + smoothing[:, :, label]
         self.own = own / own.sum(axis=-1, keepdims=True)  # (H, K, Z)
         pooled = own.sum(axis=0)
         self.pooled = pooled / pooled.sum(axis=-1, keepdims=True)  # (K, Z)

@@ -99,7 +99,7 @@ class StickyLabels:
         )
 
 
-def fit_sticky_labels(looks: RepeatedLooks, smoothing: float = 1.0) -> StickyLabels:
+def fit_sticky_labels(looks: RepeatedLooks, smoothing: float | Array = 1.0) -> StickyLabels:
     """Fit both probabilities by maximum likelihood, with the classes' tables as `fit_modes` has them.
 
     Parameters

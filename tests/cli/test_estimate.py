@@ -62,13 +62,16 @@ def test_from_a_folder(folder: str, classifier: str, config: CellConfig, tmp_pat
     assert result["expected"]["simulated"]["looks"]["mean"] >= 0.0
     assert figure.read_bytes().startswith(b"\x89PNG")
 
-    again = command(*given, "--error", "0.2")
+    again = command(*given, "--error", "0.2", "--smoothing", "1")
     assert re.search(rf"\b16 scans\b.*{re.escape(str(model.with_suffix('.labels')))}\n", again.stderr)
     assert "p(observed | true = livarno), position 1" in again.stdout
     assert "tests of independence given the classes" in again.stdout
     assert "more objects in each row would bring every one to 0.2" not in again.stdout
     assert "Expected, per object, by simulation of the model" in again.stdout
-    assert "Warning: " in again.stdout  # tables of two objects tell nothing apart
+    assert "Warning: " in again.stdout  # with such a prior, tables of two objects tell nothing apart
+
+    pooled = command(*given)
+    assert pooled.stdout.startswith("16 scans; each row is shrunk towards the share of right labels in all rows")
 
 
 OWN = """

@@ -101,6 +101,13 @@ CASES: dict[str, Case] = {
     "counts negative": (model(counts=[[[[-1, 2], [3, 4]]]]), ModelError, ["counts", "-1"]),
     "counts broken": (model(counts=[[[[0.5, 2], [3, 4]]]]), ModelError, ["counts", "0.5"]),
     "smoothing": (model(smoothing=-1.0), ModelError, ["smoothing", "-1"]),
+    "smoothing of an entry": (model(smoothing=[[[[1.0, 1.0], [-1.0, 1.0]]]]), ModelError, ["smoothing = -1"]),
+    "smoothing shape": (
+        model(smoothing=[[[[1.0, 1.0]]]]),
+        ModelError,
+        ["smoothing", "(H, K, L, L)", "number"],
+    ),
+    "smoothing word": (model(smoothing="high"), ModelError, ["smoothing"]),
     "repeat 1": (model(repeat=1.0), ModelError, ["repeat", "1", "0"]),
     "repeat negative": (model(repeat=-0.1), ModelError, ["repeat", "-0.1", "0", "1"]),
     "repeat NaN": (model(repeat=[[np.nan]]), ModelError, ["repeat", "NaN", "0", "1"]),

@@ -16,14 +16,14 @@ from beltsort.planning.model_changes import (
 )
 from beltsort.planning.separation import cheapest_look, class_tables, worst_separation
 
-CHANCE = paper().replace(p_obs=np.full((2, 3, 4, 4), 0.25), counts=None)
+CHANCE = paper().replace(p_obs=np.full((2, 3, 4, 4), 0.25))
 
 
 def two_alike() -> SortingModel:
     """Return the paper's model with its first two classes indistinguishable."""
     tables = paper().p_obs.copy()
     tables[:, :, 1] = tables[:, :, 0]
-    return paper().replace(p_obs=tables, counts=None)
+    return paper().replace(p_obs=tables)
 
 
 def sticky() -> SortingModel:

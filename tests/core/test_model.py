@@ -145,7 +145,24 @@ def test_fewer_positions() -> None:
 def test_fewer_positions_keep_every_other_key() -> None:
     one = BEYOND.with_positions(1)
     assert one.p_obs.shape == (1, 2, 4, 2)
-    assert one == BEYOND.replace(p_obs=BEYOND.p_obs[:1], counts=BEYOND.counts[:1])  # type: ignore[index] # given
+    counts = BEYOND.counts
+    assert counts is not None
+    assert one == BEYOND.replace(p_obs=BEYOND.p_obs[:1], counts=counts[:1], smoothing=BEYOND.smoothing)
+
+
+def test_pseudo_counts_of_every_entry_are_kept() -> None:
+    model = FULL.replace(smoothing=np.full(FULL.p_obs.shape, 0.5))
+    assert SortingModel.from_json(model.to_json()) == model
+    assert isinstance(model.smoothing, np.ndarray)
+    assert model.smoothing.shape == FULL.p_obs.shape
+    one = model.with_positions(1).smoothing
+    assert isinstance(one, np.ndarray)
+    assert one.shape == (1, *FULL.p_obs.shape[1:])
+
+
+def test_a_new_table_comes_without_the_counts_of_the_old_one() -> None:
+    changed = FULL.replace(p_obs=FULL.p_obs[..., ::-1])
+    assert (FULL.counts is not None, changed.counts, changed.smoothing) == (True, None, None)
 
 
 def test_replaced_keys_beyond_the_paper() -> None:

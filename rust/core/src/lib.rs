@@ -31,8 +31,8 @@ pub use despot::{BudgetedDespot, Despot};
 pub use error::{Error, Result};
 pub use index::{Bin, Class, Kind, Label, Position, Viewpoint};
 pub use model::{
-    Action, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Look, ModelSpec, ScalarOrMatrix, SortingModel,
-    Tables,
+    Action, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Look, ModelSpec, ScalarOrMatrix, Smoothing,
+    SortingModel, Tables,
 };
 pub use offline::{DEFAULT_SOLVE_SECONDS, Solution};
 pub use one_object::OneObjectPolicy;

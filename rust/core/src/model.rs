@@ -13,7 +13,9 @@ use std::fmt;
 use nalgebra::{DMatrix, DVector};
 
 pub use likelihood::Look;
-pub use spec::{DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, ScalarOrMatrix, Tables};
+pub use spec::{
+    DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, ScalarOrMatrix, Smoothing, Tables,
+};
 pub(crate) use step::{Step, shift};
 pub(crate) use validate::distribution;
 
@@ -163,6 +165,9 @@ impl SortingModel {
         spec.p_obs.truncate(positions);
         if let Some(counts) = &mut spec.counts {
             counts.truncate(positions);
+        }
+        if let Some(Smoothing::Tables(tables)) = &mut spec.smoothing {
+            tables.truncate(positions);
         }
         if let Some(ScalarOrMatrix::Matrix(rows)) = &mut spec.repeat {
             rows.truncate(positions);

@@ -1,6 +1,6 @@
 //! From Python's numbers and arrays to those of the core.
 
-use beltsort_core::{Class, Label, ScalarOrMatrix, Tables, Viewpoint};
+use beltsort_core::{Class, Label, ScalarOrMatrix, Smoothing, Tables, Viewpoint};
 use numpy::ndarray::Array4;
 use numpy::{AllowTypeChange, Element, IntoPyArray, PyArray4, PyArrayLikeDyn};
 use pyo3::prelude::*;
@@ -67,6 +67,14 @@ pub fn counts(value: &Bound<'_, PyAny>) -> PyResult<Tables<u64>> {
     let position = |viewpoints: Vec<Vec<Vec<f64>>>| viewpoints.into_iter().map(table).collect();
     let counts: Result<_, _> = tables("counts", value)?.into_iter().map(position).collect();
     counts.map_err(ModelError::new_err)
+}
+
+/// Pseudo-counts: a number, or anything that numpy makes an array of four axes of.
+pub fn smoothing(value: &Bound<'_, PyAny>) -> PyResult<Smoothing> {
+    match value.extract::<f64>() {
+        Ok(number) => Ok(Smoothing::Scalar(number)),
+        Err(_) => tables("smoothing", value).map(Smoothing::Tables),
+    }
 }
 
 /// A number, or a matrix as anything that numpy makes an array of two axes of.

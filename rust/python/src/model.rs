@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use beltsort_core::{
-    Bin, Class, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Kind, ModelSpec, Position, SortingModel,
-    Viewpoint,
+    Bin, Class, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Kind, ModelSpec, Position, Smoothing,
+    SortingModel, Viewpoint,
 };
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4};
@@ -61,7 +61,7 @@ impl PySortingModel {
         empty: Option<String>,
         label_rule: Option<&Bound<'_, PyDict>>,
         counts: Option<&Bound<'_, PyAny>>,
-        smoothing: Option<f64>,
+        smoothing: Option<&Bound<'_, PyAny>>,
         note: &str,
     ) -> PyResult<Self> {
         let mut spec = ModelSpec::new(classes, viewpoints, tables("p_obs", p_obs)?);
@@ -92,7 +92,7 @@ impl PySortingModel {
         spec.empty = empty;
         spec.label_rule = label_rule.map(convert::json).transpose()?;
         spec.counts = counts.map(convert::counts).transpose()?;
-        spec.smoothing = smoothing;
+        spec.smoothing = smoothing.map(convert::smoothing).transpose()?;
         spec.note = note.into();
         Self::checked(spec)
     }
@@ -263,10 +263,14 @@ impl PySortingModel {
         self.0.discount()
     }
 
-    /// The pseudo-count that was added to each entry of `counts`, or None.
+    /// The pseudo-counts that were added to `counts`: a number, read-only float64 of shape (H, K, N, Z), or None.
     #[getter]
-    fn smoothing(&self) -> Option<f64> {
-        self.0.spec().smoothing
+    fn smoothing<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let value = |smoothing: &Smoothing| match smoothing {
+            Smoothing::Scalar(number) => Ok(number.into_pyobject(py)?.into_any()),
+            Smoothing::Tables(tables) => read_only(py, tables).map(Bound::into_any),
+        };
+        self.0.spec().smoothing.as_ref().map(value).transpose()
     }
 
     /// Free text.
@@ -355,7 +359,8 @@ impl PySortingModel {
     /// Parameters
     /// ----------
     /// **changes
-    ///     Parameters of the constructor.
+    ///     Parameters of the constructor. A new `p_obs` comes without the `counts` and `smoothing` of the old one
+    ///     unless they are given too.
     ///
     /// Returns
     /// -------
@@ -382,6 +387,10 @@ impl PySortingModel {
     ) -> PyResult<Bound<'py, PyAny>> {
         let settings = py.import("json")?.call_method1("loads", (self.to_json()?,))?.cast_into::<PyDict>()?;
         if let Some(changes) = changes {
+            if changes.contains("p_obs")? {
+                settings.call_method1("pop", ("counts", py.None()))?;
+                settings.call_method1("pop", ("smoothing", py.None()))?;
+            }
             settings.update(changes.as_mapping())?;
         }
         py.get_type::<Self>().call((), Some(&settings))

@@ -27,6 +27,16 @@ impl ScalarOrMatrix {
     }
 }
 
+/// Pseudo-counts of the prior that `p_obs` was estimated with: a number for all entries, or one for each entry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Smoothing {
+    /// The same pseudo-count everywhere.
+    Scalar(f64),
+    /// One pseudo-count for each entry, of the shape of the counts.
+    Tables(Tables<f64>),
+}
+
 /// Observation tables `p_obs[position][viewpoint][kind][label]`; in the paper's model kinds and labels are the classes.
 pub type Tables<T> = Vec<Vec<Vec<Vec<T>>>>;
 
@@ -91,9 +101,9 @@ pub struct ModelSpec {
     /// Label counts behind `p_obs`, same shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts: Option<Tables<u64>>,
-    /// Dirichlet pseudo-count that was added to each entry of `counts`.
+    /// Dirichlet pseudo-counts that were added to `counts`: a number, or of the same shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub smoothing: Option<f64>,
+    pub smoothing: Option<Smoothing>,
     /// Free text.
     #[serde(default)]
     pub note: String,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::spec::{ModelSpec, ScalarOrMatrix};
+use super::spec::{ModelSpec, ScalarOrMatrix, Smoothing, Tables};
 use crate::error::{Result, model_error};
 
 /// How far the sum of a probability row may miss 1; the arithmetic normalises what is left.
@@ -238,26 +238,47 @@ fn travel(spec: &ModelSpec) -> Result<()> {
 }
 
 fn counts(spec: &ModelSpec) -> Result<()> {
-    if let Some(smoothing) = spec.smoothing
-        && !(smoothing.is_finite() && smoothing >= 0.0)
-    {
-        return model_error(format!(
-            "smoothing = {smoothing}; it is a pseudo-count, finite and not negative"
-        ));
+    if let Some(smoothing) = &spec.smoothing {
+        self::smoothing(spec, smoothing)?;
     }
-    let Some(counts) = &spec.counts else { return Ok(()) };
-    let same_shape = counts.len() == spec.p_obs.len()
-        && counts.iter().zip(&spec.p_obs).all(|(a, b)| {
+    match &spec.counts {
+        Some(counts) if !same_shape(counts, &spec.p_obs) => {
+            model_error(format!("counts and p_obs differ in shape; both are {}", shape(spec)))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn smoothing(spec: &ModelSpec, smoothing: &Smoothing) -> Result<()> {
+    let wrong = |number: &f64| !(number.is_finite() && *number >= 0.0);
+    let found = match smoothing {
+        Smoothing::Scalar(number) => Some(number).filter(|number| wrong(number)),
+        Smoothing::Tables(tables) if same_shape(tables, &spec.p_obs) => {
+            tables.iter().flatten().flatten().flatten().find(|number| wrong(number))
+        }
+        Smoothing::Tables(_) => {
+            return model_error(format!(
+                "smoothing and p_obs differ in shape; give a number, or one for each entry, {}",
+                shape(spec)
+            ));
+        }
+    };
+    match found {
+        Some(number) => {
+            model_error(format!("smoothing = {number}; it is a pseudo-count, finite and not negative"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn same_shape<A, B>(a: &Tables<A>, b: &Tables<B>) -> bool {
+    a.len() == b.len()
+        && a.iter().zip(b).all(|(a, b)| {
             a.len() == b.len()
                 && a.iter()
                     .zip(b)
                     .all(|(a, b)| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.len() == b.len()))
-        });
-    if same_shape {
-        Ok(())
-    } else {
-        model_error(format!("counts and p_obs differ in shape; both are {}", shape(spec)))
-    }
+        })
 }
 
 /// `repeat` lies in [0, 1): at 1 no second look would ever tell anything.
