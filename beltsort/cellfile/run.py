@@ -19,6 +19,7 @@ from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.simulated import trainable_config
 from beltsort.errors import CellError
 from beltsort.perception import Classifier, PerceptionConfig, load_classifier, perception_for
+from beltsort.planning.bins import sorting_statistics
 from beltsort.sim.prepare import Recipe, StageProgress, prepare
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listener
@@ -28,6 +29,7 @@ from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport, confusion
 from beltsort.sorting.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
+from beltsort.util.text import number_or_none
 
 DRY_RUN = "-dry-run"
 """Suffix of the folder's name of a dry run."""
@@ -277,13 +279,16 @@ def check_ready(cell: ComposedCell) -> None:
 
 
 def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
-    """Return the results of a run as plain data; `confusion` only where the true classes are known."""
+    """Return the results of a run as plain data.
+
+    How many were right, `confusion`, `purity` and `recovery` are there only where the true classes are known.
+    """
     counts = confusion_of(run, report)
     return {
         "steps": report.steps,
         "decisions": [plain_decision(decision, run.model.bins) for decision in report.decisions],
         "bins": report.counts(run.model.bins),
-        **({} if counts is None else {"confusion": counts.tolist()}),
+        **({} if counts is None else _sorted(run.model, counts)),
         "skipped": list(report.skipped),
         "passed": list(report.passed),
         "drift": [alarm.to_dict() for alarm in report.drift],
@@ -299,6 +304,16 @@ def confusion_of(run: CellRun, report: SortingReport) -> NDArray[np.uint64] | No
             decisions = ((decision.object, decision.label) for decision in report.decisions)
             return confusion(decisions, device.true_class, run.model)
     return None
+
+
+def _sorted(model: SortingModel, counts: NDArray[np.uint64]) -> dict[str, Any]:
+    found = sorting_statistics(model, counts)
+    return {
+        "correct": round(found.right.value),
+        "confusion": counts.tolist(),
+        "purity": {each.name: number_or_none(each.purity.value) for each in found.bins},
+        "recovery": {each.name: number_or_none(each.recovery.value) for each in found.bins},
+    }
 
 
 def _model_file(description: CellDescription) -> SortingModel:

@@ -35,6 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from beltsort.cli.console import RunConsole
     from beltsort.cli.live import run_display
+    from beltsort.planning.bins import sorting_statistics
     from beltsort.sim.demo import as_json, check_seed, run_demo
     from beltsort.sim.prepare import prepare
     from beltsort.sorting.runs import make_folder, run_name
@@ -50,6 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     with run_display(console) as listener:
         result = run_demo(prepared, arguments.seed, make_folder(runs / run_name()), listener)
     console.print(f"{result.correct} of {len(result.report.decisions)} right in {result.report.steps} steps")
+    console.print(f"\nobjects by bin and true class:\n{sorting_statistics(result.model, result.confusion)}")
     console.print(f"journal, model and figure: {result.folder}")
     if arguments.json:
         print_json(as_json(result, arguments.seed))

@@ -212,12 +212,19 @@ def load_description(arguments: Namespace) -> "CellDescription":
 
 
 def print_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:
-    """Print the number of objects in each bin, and the folder of the run."""
+    """Print the number of objects in each bin, how many are right if that is known, and the run's folder."""
+    from beltsort.cellfile.run import confusion_of
+    from beltsort.planning.bins import sorting_statistics
+
     sorted_into = [f"{count} {name}" for name, count in report.counts(opened.model.bins).items()]
     empty = [f"{len(report.skipped)} empty"] if report.skipped else []
     passed = [f"{len(report.passed)} PASSED UNSORTED {list(report.passed)}"] if report.passed else []
     parts = [*sorted_into, *empty, *passed]
     console.print(f"{len(report.decisions)} sorted in {report.steps} steps: {', '.join(parts)}")
+    counts = confusion_of(opened, report)
+    if counts is not None:
+        found = sorting_statistics(opened.model, counts)
+        console.print(f"{found.right.value:.0f} right; objects by bin and true class:\n{found}")
     if report.drift:
         console.print(f"{len(report.drift)} drift alarms: estimate the tables again before the next run")
     console.print(f"journal, model and calls: {opened.folder}")

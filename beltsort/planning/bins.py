@@ -13,6 +13,7 @@ from beltsort.planning.decisions import right_bins
 from beltsort.util.text import number_or_none, numbers_or_none, text_table
 
 Floats = NDArray[np.float64]
+Counts = NDArray[np.uint64]
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,11 @@ class Estimate:
         return numbers_or_none({"value": self.value, "standard_error": self.standard_error})
 
     def __str__(self) -> str:
-        """Format as `value ± standard error`."""
-        return "-" if math.isnan(self.value) else f"{self.value:.3f} ± {self.standard_error:.3f}"
+        """Format as `value ± standard error`, or without an error that is not defined."""
+        if math.isnan(self.value):
+            return "-"
+        error = "" if math.isnan(self.standard_error) else f" ± {self.standard_error:.3f}"
+        return f"{self.value:.3f}{error}"
 
 
 @dataclass(frozen=True)
@@ -107,8 +111,9 @@ class SortingStatistics:
 
     def __str__(self) -> str:
         """Format the confusion of classes by bins as plain text, a row per bin."""
+        digits = 0 if np.isnan(self.confusion_errors).all() else 3
         rows = [
-            [found.name, *(f"{n:.3f}" for n in counts), str(found.purity), str(found.recovery)]
+            [found.name, *(f"{n:.{digits}f}" for n in counts), str(found.purity), str(found.recovery)]
             for found, counts in zip(self.bins, self.confusion.tolist(), strict=True)
         ]
         return text_table([["bin", *self.classes, "purity", "recovery"], *rows])
@@ -120,8 +125,8 @@ def sorts_into_classes(model: SortingModel) -> bool:
     return model.bins == model.classes and np.array_equal(model.reward, paper)
 
 
-def sorting_statistics(model: SortingModel, evaluation: Evaluation) -> SortingStatistics:
-    """Return what the decisions of simulated batches put into the bins.
+def sorting_statistics(model: SortingModel, evaluation: Evaluation | Counts) -> SortingStatistics:
+    """Return what the decisions of simulated batches, or of a run, put into the bins.
 
     Purity and recovery are ratios of totals over all batches; their standard errors are those of ratio
     estimators, to first order in the deviations of both totals.
@@ -131,13 +136,15 @@ def sorting_statistics(model: SortingModel, evaluation: Evaluation) -> SortingSt
     model
         The model that the batches were evaluated with.
     evaluation
-        The outcome of `evaluate`.
+        The outcome of `evaluate`, or the objects of one run by bin and class, uint64 of shape (B, L), as
+        `beltsort.sorting.report.confusion` returns them.
 
     References
     ----------
     Cochran, "Sampling Techniques", 3rd edition, 1977, section 6.3 (standard error of a ratio).
     """
-    confusion = evaluation.confusion.astype(np.float64)  # (batches, B, L)
+    counts = evaluation.confusion if isinstance(evaluation, Evaluation) else evaluation[None]
+    confusion = counts.astype(np.float64)  # (batches, B, L)
     right = right_bins(model)
     in_bin = confusion.sum(axis=2)  # (batches, B)
     arrived = (confusion * right).sum(axis=2)  # (batches, B), of the objects that belong there

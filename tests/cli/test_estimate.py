@@ -71,7 +71,9 @@ def test_from_a_folder(folder: str, classifier: str, config: CellConfig, tmp_pat
     assert "Warning: " in again.stdout  # with such a prior, tables of two objects tell nothing apart
 
     pooled = command(*given)
-    assert pooled.stdout.startswith("16 scans; each row is shrunk towards the share of right labels in all rows")
+    assert pooled.stdout.startswith(
+        "16 scans; each row is shrunk towards the share of right labels in all rows"
+    )
 
 
 OWN = """

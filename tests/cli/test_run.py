@@ -106,6 +106,16 @@ def test_bins_need_not_be_the_classes(folder: Path, capsys: pytest.CaptureFixtur
     assert result["bins"] == decided
     assert [sum(row) for row in result["confusion"]] == [decided[name] for name in bins]
     assert sum(map(sum, result["confusion"])) == 3
+    (long, round_, by_hand), (elongated, livarno, mushroom, standard) = bins, range(4)
+    belonging = {long: [elongated, livarno], round_: [mushroom, standard], by_hand: []}
+    right = {
+        name: sum(counts[c] for c in belonging[name])
+        for name, counts in zip(bins, result["confusion"], strict=True)
+    }
+    assert result["correct"] == sum(right.values())
+    assert result["purity"] == {
+        name: right[name] / decided[name] if decided[name] and belonging[name] else None for name in bins
+    }
     assert main(["show", result["folder"], "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)["decisions"]
     assert [d["decided"] for d in shown] == [d["decided"] for d in result["decisions"]]
