@@ -1,6 +1,8 @@
 """The examples run, as a reader would run them."""
 
+import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -36,3 +38,23 @@ def test_example(name: str, tmp_path: Path) -> None:
     assert done.stdout
     assert SAYS.get(name, "") in done.stdout
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_plant(tmp_path: Path) -> None:
+    """Six classes, three bins, a manual one, and a classifier of one's own, from meshes to sorted objects."""
+    folder = tmp_path / "plant"
+    shutil.copytree(
+        FOLDER / "plant", folder, ignore=shutil.ignore_patterns("meshes", "*.npz", "*.json", "runs")
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    for command in (["make_plant.py", "--objects", "1"], ["-m", "beltsort", "run", "plant.toml", "--json"]):
+        objects = ["--objects", "2"] if "run" in command else []
+        done = subprocess.run(
+            [sys.executable, *command, *objects], cwd=folder, env=environment, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert len(result["decisions"]) + len(result["skipped"]) == 2
+    assert len(result["confusion"]) == 4
+    assert set(result["purity"]) == {"metal", "plastic", "fibre", "by hand"}
+    assert {decision["decided"] for decision in result["decisions"]} <= set(result["purity"])
