@@ -279,7 +279,14 @@ class Threshold:
 
 @final
 class InformationGain:
-    def __new__(cls, model: SortingModel, threshold: float, positions: int = ...) -> InformationGain: ...
+    def __new__(
+        cls,
+        model: SortingModel,
+        threshold: float,
+        positions: int = ...,
+        *,
+        about: Literal["class", "bin"] = "class",
+    ) -> InformationGain: ...
     @property
     def model(self) -> SortingModel: ...
     def act(self, belief: Belief, viewpoint: int) -> Move | Decide: ...

@@ -26,7 +26,8 @@ HELP = (
     f"despot[:TRIALS] (default {DEFAULT_TRIALS}), despot:SECONDSs (despot:0.01s), "
     f"despot-scenarios[:BUDGET[:LAMBDA]] (as published; default lambda {DEFAULT_LAMBDA}), "
     f"look-ahead[:DEPTH] (default {DEFAULT_LOOK_AHEAD_DEPTH}), threshold:T, "
-    f"information-gain:T[:POSITIONS] (default {DEFAULT_INFORMATION_POSITIONS}), one-object, "
+    f"information-gain:T[:POSITIONS[:class|bin]] (default {DEFAULT_INFORMATION_POSITIONS}, class), "
+    "one-object, "
     f"solution[:SECONDSs] (default {DEFAULT_SOLVE_SECONDS:g}s), solution:FILE (written by `beltsort solve`)"
 )
 
@@ -85,14 +86,25 @@ def _despot_as_published(
     return _despot(model, budget, variant="scenarios", regularization=float(regularization), **settings)
 
 
+def _information_gain(
+    model: SortingModel,
+    threshold: str,
+    positions: str = str(DEFAULT_INFORMATION_POSITIONS),
+    about: str = "class",
+) -> Policy:
+    if about == "class":
+        return InformationGain(model, float(threshold), int(positions))
+    if about == "bin":
+        return InformationGain(model, float(threshold), int(positions), about="bin")
+    raise ValueError(f"{about!r} is neither class nor bin")
+
+
 KINDS: dict[str, Callable[..., Policy]] = {
     "despot": _despot,
     "despot-scenarios": _despot_as_published,
     "look-ahead": lambda model, depth=DEFAULT_LOOK_AHEAD_DEPTH: LookAhead(model, int(depth)),
     "threshold": lambda model, threshold: Threshold(model, float(threshold)),
-    "information-gain": lambda model, threshold, positions=DEFAULT_INFORMATION_POSITIONS: InformationGain(
-        model, float(threshold), int(positions)
-    ),
+    "information-gain": _information_gain,
     "one-object": OneObject,
     "solution": _solution,
 }

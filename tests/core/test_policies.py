@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beltsort import Belief, Decide, InformationGain, Move, SortingModel, Threshold
+from beltsort import ArgumentError, Belief, Decide, InformationGain, Move, SortingModel, Threshold
+from beltsort.planning.named_policy import named_policy
 from tests.laws import cases
 
 from .models import random_belief, random_model
@@ -59,6 +60,42 @@ def test_information_gain_knows_what_a_second_look_is_worth() -> None:
         assert policy.act(belief, 0) == Move(0)
         belief.observe(0, [1])
         assert policy.act(belief, 0) == expected
+
+
+def test_information_about_bins_does_not_tell_classes_of_one_bin_apart() -> None:
+    """`left` tells nut from washer, which share a bin; `right` says a little about bolts."""
+    left = [[0.95, 0.05], [0.05, 0.95], [0.5, 0.5]]
+    right = [[0.7, 0.3], [0.7, 0.3], [0.3, 0.7]]
+    model = SortingModel(
+        ["nut", "washer", "bolt"],
+        ["left", "right"],
+        [[left, right]],
+        labels=["yes", "no"],
+        bins=["flat", "long"],
+        reward=[[10.0, 10.0, -50.0], [-50.0, -50.0, 10.0]],
+    )
+    belief = Belief(model)
+    assert InformationGain(model, 0.95).act(belief, 0) == Move(0)
+    assert InformationGain(model, 0.95, about="class").act(belief, 0) == Move(0)
+    assert InformationGain(model, 0.95, about="bin").act(belief, 0) == Move(1)
+    assert named_policy("information-gain:0.95:1:bin", model).act(belief, 0) == Move(1)
+
+
+@cases(40)
+@given(seed=st.integers(0, 10_000))
+def test_where_bins_are_classes_both_questions_are_one(seed: int) -> None:
+    model = random_model(seed, k=3)
+    belief = random_belief(model, seed)
+    of_class, of_bin = InformationGain(model, 0.95), InformationGain(model, 0.95, about="bin")
+    assert of_class.act(belief, 0) == of_bin.act(belief, 0)
+
+
+def test_another_question_is_named() -> None:
+    model = two_class_model([SHARP])
+    with pytest.raises(ArgumentError, match=r'about = "colour", expected "class" or "bin"'):
+        InformationGain(model, 0.9, about="colour")  # type: ignore[arg-type] # a wrong word on purpose
+    with pytest.raises(ArgumentError, match="'colour' is neither class nor bin"):
+        named_policy("information-gain:0.9:1:colour", model)
 
 
 def test_decides_where_no_move_is_legal() -> None:

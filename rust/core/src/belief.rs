@@ -7,7 +7,7 @@ mod memory;
 use nalgebra::{DMatrix, DVectorView};
 
 pub(crate) use bayes::{condition, evidence, joint};
-pub(crate) use information::{class_entropy, information};
+pub(crate) use information::{Groups, class_entropy, information};
 pub(crate) use memory::Memory;
 
 use crate::error::{Error, Result, argument_error};

@@ -37,7 +37,7 @@ pub use model::{
 pub use offline::{DEFAULT_SOLVE_SECONDS, Solution};
 pub use one_object::OneObjectPolicy;
 pub use plan::Plan;
-pub use policy::{InformationGain, OneObject, Policy, Threshold};
+pub use policy::{InformationGain, OneObject, Policy, Question, Threshold};
 pub use search::{BeliefSearch, BudgetedSearch, LookAhead, TreeAction, TreeBranch, TreeNode};
 pub use simulate::{
     DEFAULT_BATCH_SIZE, DEFAULT_BATCHES, DEFAULT_MAX_LOOKS, Evaluation, EvaluationConfig,

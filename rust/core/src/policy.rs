@@ -1,6 +1,6 @@
 //! Policies: anything that names the next action for a belief and a viewpoint.
 
-use crate::belief::Belief;
+use crate::belief::{Belief, Groups};
 use crate::error::{Result, argument_error};
 use crate::index::{Bin, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
@@ -32,10 +32,10 @@ impl Threshold {
     /// [`crate::Error::Argument`] for a threshold outside (0, 1] or an unknown viewpoint.
     pub fn new(model: &SortingModel, threshold: f64, viewpoint: Option<Viewpoint>) -> Result<Self> {
         check_threshold(threshold)?;
-        let target = match viewpoint {
-            Some(viewpoint) => viewpoint,
-            None => most_informative(model, &Belief::new(model), 1, model.viewpoints()).unwrap_or_default(),
-        };
+        let arriving = Belief::new(model);
+        let gain = |j, v| arriving.information(model, j, v);
+        let best = || most_informative(model, 1, model.viewpoints(), gain).unwrap_or_default();
+        let target = viewpoint.unwrap_or_else(best);
         model.check_viewpoint(target)?;
         Ok(Self { model: model.clone(), confidence: threshold, next_move: next_moves(model, target) })
     }
@@ -53,21 +53,31 @@ impl Policy for Threshold {
     }
 }
 
+/// What a look is to tell of an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// Its class.
+    Class,
+    /// The bin where it belongs: classes that the same bins are right for are not told apart.
+    Bin,
+}
+
 /// Look from where most is learnt until a decision is likely enough to be right.
 #[derive(Debug, Clone)]
 pub struct InformationGain {
     model: SortingModel,
     confidence: f64,
     positions: usize,
+    groups: Groups,
 }
 
 impl InformationGain {
     /// Decide once the best decision at the belt end is right with probability `threshold`; until then take the move with the
-    /// largest expected entropy reduction, summed over the first `positions` positions.
+    /// largest expected entropy reduction of the answer to `question`, summed over the first `positions` positions.
     ///
     /// # Errors
     /// [`crate::Error::Argument`] for a threshold outside (0, 1] or positions outside 1..=H.
-    pub fn new(model: &SortingModel, threshold: f64, positions: usize) -> Result<Self> {
+    pub fn new(model: &SortingModel, threshold: f64, positions: usize, question: Question) -> Result<Self> {
         check_threshold(threshold)?;
         if positions == 0 || positions > model.position_count() {
             return argument_error(format!(
@@ -75,7 +85,11 @@ impl InformationGain {
                 model.position_count()
             ));
         }
-        Ok(Self { model: model.clone(), confidence: threshold, positions })
+        let groups = match question {
+            Question::Class => Groups::of_classes(model),
+            Question::Bin => Groups::of_bins(model),
+        };
+        Ok(Self { model: model.clone(), confidence: threshold, positions, groups })
     }
 }
 
@@ -88,7 +102,8 @@ impl Policy for InformationGain {
             return Ok(Action::Decide(bin));
         }
         let moves = self.model.legal_moves(viewpoint).iter().copied();
-        Ok(most_informative(&self.model, belief, self.positions, moves)
+        let gain = |j, v| belief.information_about(&self.model, j, v, &self.groups);
+        Ok(most_informative(&self.model, self.positions, moves, gain)
             .map_or(Action::Decide(bin), Action::Move))
     }
 }
@@ -134,11 +149,11 @@ fn check_threshold(threshold: f64) -> Result<()> {
 /// The viewpoint whose scan is expected to reduce the entropy of the first positions most; the first among equals.
 fn most_informative(
     model: &SortingModel,
-    belief: &Belief,
     positions: usize,
     viewpoints: impl IntoIterator<Item = Viewpoint>,
+    gain: impl Fn(Position, Viewpoint) -> f64,
 ) -> Option<Viewpoint> {
-    let gain = |v| model.positions().take(positions).map(|j| belief.information(model, j, v)).sum::<f64>();
+    let gain = |v| model.positions().take(positions).map(|j| gain(j, v)).sum::<f64>();
     viewpoints
         .into_iter()
         .map(|v| (v, gain(v)))

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use beltsort_core::{
-    DEFAULT_SCENARIOS, DespotConfig, InformationGain, LookAhead, OneObject, Policy, SortingModel, Threshold,
+    DEFAULT_SCENARIOS, DespotConfig, InformationGain, LookAhead, OneObject, Policy, Question, SortingModel,
+    Threshold,
 };
 use pyo3::prelude::*;
 
 use crate::actions;
 use crate::belief::PyBelief;
 use crate::convert::{self, Whole, count};
-use crate::errors::to_python;
+use crate::errors::{ArgumentError, to_python};
 use crate::model::PySortingModel;
 
 /// Positions whose information counts, if not given.
@@ -101,13 +102,16 @@ impl PyThreshold {
 /// threshold : float
 ///     As for `Threshold`.
 /// positions : int, default 1
-///     The gain of a look is the expected drop of the class's entropy, summed over this many positions from the
-///     belt end, 1 to H. With many, objects far from their decision outvote the one at the belt end.
+///     The gain of a look is the expected drop of an entropy, summed over this many positions from the belt end,
+///     1 to H. With many, objects far from their decision outvote the one at the belt end.
+/// about : {"class", "bin"}, default "class"
+///     What the entropy is of: the object's class, or the bin where it belongs, so that classes with the same
+///     right bins are not told apart. In the paper's model both are the same.
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     For a threshold outside (0, 1] or positions outside 1 to H.
+///     For a threshold outside (0, 1], positions outside 1 to H, or another word.
 ///
 /// Examples
 /// --------
@@ -125,10 +129,19 @@ pub struct PyInformationGain {
 #[pymethods]
 impl PyInformationGain {
     #[new]
-    #[pyo3(signature = (model, threshold, positions=DEFAULT_INFORMATION_POSITIONS as Whole))]
-    fn new(model: &PySortingModel, threshold: f64, positions: Whole) -> PyResult<Self> {
+    #[pyo3(signature = (model, threshold, positions=DEFAULT_INFORMATION_POSITIONS as Whole, *, about="class"))]
+    fn new(model: &PySortingModel, threshold: f64, positions: Whole, about: &str) -> PyResult<Self> {
         let positions = count("positions", positions)?;
-        let policy = InformationGain::new(&model.0, threshold, positions).map_err(to_python)?;
+        let question = match about {
+            "class" => Question::Class,
+            "bin" => Question::Bin,
+            _ => {
+                return Err(ArgumentError::new_err(format!(
+                    "about = {about:?}, expected \"class\" or \"bin\": what a look is to tell of an object"
+                )));
+            }
+        };
+        let policy = InformationGain::new(&model.0, threshold, positions, question).map_err(to_python)?;
         Ok(Self { policy, model: Arc::clone(&model.0) })
     }
 
