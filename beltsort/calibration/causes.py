@@ -65,11 +65,11 @@ def find_causes(
     database
         The classifier.
     objects
-        Objects to scan, and to simulate for each arm.
+        Least number of objects to scan, and to simulate for each arm.
     seed, workers
         As in `beltsort.calibration.sorted_runs.sort_many`.
     progress
-        Called with the number of objects scanned and in all.
+        Called with the number of passages scanned and in all.
 
     Raises
     ------
@@ -77,6 +77,7 @@ def find_causes(
         If `objects` or `workers` is below 1.
     """
     looks = collect_looks(database, objects=objects, seed=seed, workers=workers, progress=progress)
+    objects = len(looks.true)
     simulated = {
         name: {
             what: reliability(

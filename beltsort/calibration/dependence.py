@@ -15,35 +15,33 @@ often both labels are wrong, and how often they would be if looks were independe
 """
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beltsort.perception import NearestNeighbour, Perception
+from beltsort.perception import NearestNeighbour
 from beltsort.sim import CellConfig
-from beltsort.sim.collect import SCANS
-from beltsort.util.processes import Progress, at_least_one, in_processes
-from beltsort.util.randomness import checked_seed, generator
+from beltsort.sim.collect import SCANS, collect_scans
+from beltsort.tables.repeated_looks import looks_at_objects
+from beltsort.util.processes import Progress, at_least_one
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-LOOKS_STREAM = 3  # objects that are neither trained on, nor counted, nor sorted: see `beltsort.sim.rounds`
 NO_LABEL = -1
 RESAMPLES = 300  # of the bootstrap
 
 
 @dataclass(frozen=True, eq=False)
 class ObjectLooks:
-    """Labels of n objects, each scanned twice from each of K viewpoints at each of H positions.
+    """Labels of n objects, each scanned equally often from each of K viewpoints at each of H positions.
 
     Attributes
     ----------
     true
         Class indices, shape (n,).
     labels
-        Shape (n, H, K, 2); `NO_LABEL` where there was none.
+        Shape (n, H, K, scans); `NO_LABEL` where there was none.
     """
 
     true: Integers
@@ -59,7 +57,7 @@ def collect_looks(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> ObjectLooks:
-    """Scan objects of the simulated cell, of each class in turn, each among others of random classes.
+    """Scan objects of the simulated cell twice from every viewpoint at every position.
 
     Parameters
     ----------
@@ -68,7 +66,7 @@ def collect_looks(
     config
         What the cell is set to.
     objects
-        Number of objects.
+        Least number of objects; see `beltsort.sim.rounds.Passage`.
     seed, workers, progress
         As in `beltsort.sim.collect.collect_counts`.
 
@@ -77,32 +75,19 @@ def collect_looks(
     ArgumentError
         If `objects` or `workers` is below 1.
     """
-    at_least_one("objects", objects)
     config = config or CellConfig()
-    task = partial(_looks_at, config, database, checked_seed(seed))
-    labels = list(in_processes(task, range(objects), workers, progress))
-    return ObjectLooks(np.arange(objects) % len(config.classes), np.array(labels, dtype=np.int64))
-
-
-def _looks_at(config: CellConfig, database: NearestNeighbour, seed: int, number: int) -> Integers:
-    """Return the labels of one object, shape (H, K, 2)."""
-    from beltsort.sim import SimulatedCell
-
-    positions, rng = config.layout.positions, generator(seed, LOOKS_STREAM, number)
-    true = rng.integers(len(config.classes), size=2 * positions - 1 + config.upstream).tolist()
-    true[positions - 1] = number % len(config.classes)
-    cell = SimulatedCell(true, config, int(rng.integers(2**63)))
-    perceive = Perception(config.layout, database)
-    labels = np.full((positions, len(config.viewpoints), SCANS), NO_LABEL)
-    for first in range(positions):
-        cell.advance_to(first, f"advance-{first}")
-        place = positions - 1 - first
-        for k in range(len(config.viewpoints)):
-            stop = cell.move_to(k, f"move-{first}-{k}")
-            for scan in range(SCANS):
-                label = perceive(cell.scan(not_before=stop))[place].label
-                labels[place, k, scan] = NO_LABEL if label is None else label
-    return labels
+    of_each = -(-at_least_one("objects", objects) // len(config.classes))
+    scans = collect_scans(
+        database, config, objects=of_each, seed=seed, passages=True, workers=workers, progress=progress
+    )
+    looked = looks_at_objects(scans)
+    shape = (len(looked), config.layout.positions, len(config.viewpoints), SCANS)
+    labels, done = np.full(shape, NO_LABEL), np.zeros(shape[:-1], dtype=np.int64)
+    for n, each in enumerate(looked):
+        for j, k, label in each.looks:
+            labels[n, j, k, done[n, j, k]] = NO_LABEL if label is None else label
+            done[n, j, k] += 1
+    return ObjectLooks(np.array([each.true for each in looked], dtype=np.int64), labels)
 
 
 @dataclass(frozen=True)

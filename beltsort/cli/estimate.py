@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
-from beltsort.cli.labelling import SEED, SIMULATED, Labelled, labelled_scans
+from beltsort.cli.labelling import SEED, SIMULATED, Labelled, labelled_scans, several_modes
 from beltsort.cli.output import print_json, print_status
 from beltsort.sim.config import TABLE_OBJECTS
 
@@ -49,7 +49,8 @@ def add_parser(subparsers: Subparsers) -> None:
         "--objects",
         type=int,
         metavar="N",
-        help=f"objects per row of `{SIMULATED}` (default: {TABLE_OBJECTS})",
+        help=f"objects per row of `{SIMULATED}` (default: {TABLE_OBJECTS}; with --modes rounded up to whole "
+        "passages of objects past the camera)",
     )
     parser.add_argument("--seed", type=int, metavar="N", help=f"seed of `{SIMULATED}` (default: {SEED})")
     parser.add_argument(
@@ -78,8 +79,8 @@ def add_parser(subparsers: Subparsers) -> None:
         choices=["auto", *map(str, range(1, MOST_MODES + 1))],
         metavar="N",
         help=f"modes of each class, 1 to {MOST_MODES}, by which looks at one object depend on each other, or "
-        "`auto`: chosen by the log-loss of held-out objects; needs three looks or more at each object "
-        "(default: 1)",
+        "`auto`: chosen by the log-loss of held-out objects; needs three looks or more at each object, which "
+        f"`{SIMULATED}` then takes (default: 1)",
     )
     parser.add_argument("--figure", type=Path, metavar="PNG", help="draw the tables")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
@@ -134,7 +135,7 @@ def check(arguments: Namespace) -> None:
     if arguments.smoothing is not None:
         check_smoothing(arguments.smoothing, labels=1)
     check_error(arguments.error)
-    if arguments.modes not in (None, "1") and arguments.repeats:
+    if several_modes(arguments) and arguments.repeats:
         raise ArgumentError(
             f"--modes {arguments.modes} and --repeats are both given; modes carry how looks depend on each "
             "other: leave --repeats out"
@@ -150,7 +151,7 @@ def check(arguments: Namespace) -> None:
 
 def modes_of(labelled: Labelled, arguments: Namespace) -> "ModeChoice | None":
     """Fit tables of modes, print what was chosen and why, and return that; None if one mode is given."""
-    if arguments.modes in (None, "1"):
+    if not several_modes(arguments):
         return None
     from beltsort.tables.mode_choice import choose_modes, fixed_modes
     from beltsort.tables.modes import ModeSettings

@@ -50,10 +50,16 @@ def labelled_scans(arguments: Namespace) -> Labelled:
         arguments.record,
         objects=objects,
         seed=seed,
+        passages=several_modes(arguments),
         workers=arguments.workers,
         progress=tenths("recording"),
     )
     return from_recording(recording, classifier(arguments), arguments)
+
+
+def several_modes(arguments: Namespace) -> bool:
+    """Return whether more than one mode may be fitted, which takes several looks at each object."""
+    return arguments.modes not in (None, "1")
 
 
 def check_recorded(arguments: Namespace) -> None:
@@ -96,7 +102,13 @@ def from_simulation(database: "Classifier", arguments: Namespace, objects: int, 
 
     config = CellConfig()
     settings = {"cell": SIMULATED, "seed": str(seed), "config": fingerprint(asdict(config))}
-    given = {"objects": objects, "seed": seed, "workers": arguments.workers, "progress": tenths("scans")}
+    given = {
+        "objects": objects,
+        "seed": seed,
+        "passages": several_modes(arguments),
+        "workers": arguments.workers,
+        "progress": tenths("scans"),
+    }
     viewpoints = [viewpoint.name for viewpoint in config.viewpoints]
     if arguments.levels is None:
         with log_beside(arguments, settings) as log:

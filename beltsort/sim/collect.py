@@ -16,7 +16,7 @@ from beltsort.perception import (
 from beltsort.perception.vfh import Histogram
 from beltsort.sim import CellConfig
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
-from beltsort.sim.rounds import TABLE_STREAM, TRAINING_STREAM, Round, rounds_of
+from beltsort.sim.rounds import TABLE_STREAM, TRAINING_STREAM, Round, Scenes, passages_of, rounds_of
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.log import LabelLog, Labels, label_missing
 from beltsort.tables.matches import MatchedScan, Matches, MatchLog, Seen
@@ -80,10 +80,10 @@ def collect_training(
 def _described(config: CellConfig, perception: PerceptionConfig, work: Round) -> list[tuple[int, Histogram]]:
     """Return class and descriptor of each object of a round that perception finds."""
     found = []
-    for true, (scan,) in work.scenes(config, scans=1):
+    for truth, (scan,) in zip(work.truths(config), work.scans(config, number=1), strict=True):
         segmented = segment(scan, config.layout, perception)
-        for label, points in zip(true[: config.layout.positions], segmented.objects, strict=True):
-            if points is not None:
+        for label, points in zip(truth.true, segmented.objects, strict=True):
+            if points is not None and label is not None:
                 found.append((label, describe(points, segmented.camera, perception)))
     return found
 
@@ -125,24 +125,46 @@ def collect_counts(
     return count(looks(scans), config.layout.positions, len(config.viewpoints), len(config.classes))
 
 
+def table_scenes(config: CellConfig, *, objects: int, seed: int, passages: bool = False) -> Sequence[Scenes]:
+    """Return the scenes in which labels are counted.
+
+    Parameters
+    ----------
+    config
+        Configuration of the cell.
+    objects
+        Objects in each table row; with passages rounded up to a multiple of `OBJECTS_OF_A_CLASS`.
+    seed
+        At least 0.
+    passages
+        Whether each object is in all rows of its class, and not in one only. Such looks tell how those at one
+        object depend on each other, and take about as many scans.
+    """
+    return passages_of(seed, objects) if passages else rounds_of(TABLE_STREAM, seed, config, objects)
+
+
 def collect_scans(
     database: Classifier,
     config: CellConfig | None = None,
     *,
     objects: int = TABLE_OBJECTS,
     seed: int = 0,
+    passages: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
     log: LabelLog | None = None,
 ) -> list[LabelledScan]:
-    """Label two scans of every scene that `collect_counts` counts.
+    """Label two scans of every scene that `collect_counts` counts, or of passages.
 
     Parameters
     ----------
     database, config, objects, seed, workers, progress
         As in `collect_counts`.
+    passages
+        As in `table_scenes`.
     log
-        Log to which the labels of each round are written; scans that are in it are not labelled again.
+        Log to which the labels of each piece of work are written; scans that are in it are not labelled
+        again.
 
     Raises
     ------
@@ -152,11 +174,11 @@ def collect_scans(
         As `collect_counts`.
     """
     config = config or CellConfig()
-    rounds = rounds_of(TABLE_STREAM, seed, config, objects)
+    scenes = table_scenes(config, objects=objects, seed=seed, passages=passages)
     log = log or LabelLog()
-    _perceive(partial(_labelled, config, database), config, rounds, log, workers, progress)
+    _perceive(partial(_labelled, config, database), config, scenes, log, workers, progress)
     known = log.labels()
-    return [LabelledScan(*where, known[name]) for name, where in _scans_of(rounds, config)]
+    return [LabelledScan(*where, known[name]) for name, where in _scans_of(scenes, config)]
 
 
 def collect_matches(
@@ -165,6 +187,7 @@ def collect_matches(
     *,
     objects: int = TABLE_OBJECTS,
     seed: int = 0,
+    passages: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
     log: MatchLog | None = None,
@@ -174,56 +197,56 @@ def collect_matches(
     Parameters and raises as `collect_scans`.
     """
     config = config or CellConfig()
-    rounds = rounds_of(TABLE_STREAM, seed, config, objects)
+    scenes = table_scenes(config, objects=objects, seed=seed, passages=passages)
     log = log or MatchLog()
-    _perceive(partial(_matched, config, database), config, rounds, log, workers, progress)
+    _perceive(partial(_matched, config, database), config, scenes, log, workers, progress)
     known = log.matches()
-    return [MatchedScan(*where, known[name]) for name, where in _scans_of(rounds, config)]
+    return [MatchedScan(*where, known[name]) for name, where in _scans_of(scenes, config)]
 
 
 def _perceive(
-    task: Callable[[Round], Mapping[str, Any]],
+    task: Callable[[Scenes], Mapping[str, Any]],
     config: CellConfig,
-    rounds: Sequence[Round],
+    scenes: Sequence[Scenes],
     log: KeyedLog,
     workers: int | None,
     progress: Progress | None,
 ) -> None:
-    """Write what `task` returns of every round to the log."""
-    label_missing(task, rounds, lambda work: work.scan_names(config, SCANS), log, workers, progress)
+    """Write what `task` returns of every piece of work to the log."""
+    label_missing(task, scenes, lambda work: work.scan_names(config, SCANS), log, workers, progress)
 
 
-def _labelled(config: CellConfig, database: Classifier, work: Round) -> Labels:
-    """Return the labels of all scans of a round by the scan's name, `SCANS` of each scene."""
+def _labelled(config: CellConfig, database: Classifier, work: Scenes) -> Labels:
+    """Return the labels of all scans by the scan's name, `SCANS` of each scene."""
     return {
         name: tuple(seen.label for seen in perceived)
         for name, perceived in _perceived(config, database, work)
     }
 
 
-def _matched(config: CellConfig, database: Classifier, work: Round) -> Matches:
-    """Return what is seen in all scans of a round by the scan's name, `SCANS` of each scene."""
+def _matched(config: CellConfig, database: Classifier, work: Scenes) -> Matches:
+    """Return what is seen in all scans by the scan's name, `SCANS` of each scene."""
     return {name: tuple(map(Seen.of, perceived)) for name, perceived in _perceived(config, database, work)}
 
 
 def _perceived(
-    config: CellConfig, database: Classifier, work: Round
+    config: CellConfig, database: Classifier, work: Scenes
 ) -> Iterator[tuple[str, list[Perceived]]]:
-    """Yield the name of every scan of a round, and what is perceived in it."""
+    """Yield the name of every scan, and what is perceived in it."""
     perceive = Perception(config.layout, database)
-    scans = (scan for _, both in work.scenes(config, SCANS) for scan in both)
+    scans = (scan for of_scene in work.scans(config, SCANS) for scan in of_scene)
     for name, scan in zip(work.scan_names(config, SCANS), scans, strict=True):
         yield name, perceive(scan)
 
 
-Where: TypeAlias = tuple[int, tuple[int, ...], tuple[str, ...]]
+Where: TypeAlias = tuple[int, tuple[int | None, ...], tuple[str | None, ...]]
 """Viewpoint, true classes and objects of a scan."""
 
 
-def _scans_of(rounds: Sequence[Round], config: CellConfig) -> Iterator[tuple[str, Where]]:
+def _scans_of(scenes: Sequence[Scenes], config: CellConfig) -> Iterator[tuple[str, Where]]:
     """Yield the name of every scan, and what it is of."""
-    for work in rounds:
+    for work in scenes:
         names = iter(work.scan_names(config, SCANS))
-        for scene, true in enumerate(work.true_classes(config)):
+        for truth in work.truths(config):
             for _ in range(SCANS):
-                yield next(names), (work.viewpoint, tuple(true), work.object_names(config, scene))
+                yield next(names), (truth.viewpoint, truth.true, truth.objects)

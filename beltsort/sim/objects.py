@@ -8,6 +8,10 @@ from beltsort.geometry import BeltLayout, Points, Pose
 from beltsort.sim.config import CellConfig, Cup, PoseMix
 from beltsort.sim.rotations import rotation
 from beltsort.sim.surfaces import Mesh, revolve
+from beltsort.util.randomness import generator
+
+OBJECT_STREAM = 0  # random stream of objects, distinct from that of scans
+POSES = ("upright", "leaning", "lying")
 
 REACH = 0.016  # metres; largest distance of an object's centre from the cup's axis, along x and y
 OFFSETS = 9  # candidate positions along each axis
@@ -23,6 +27,11 @@ def cup_mesh(cup: Cup, layout: BeltLayout) -> Mesh:
     return revolve(outline)
 
 
+def object_generator(seed: int, number: int) -> np.random.Generator:
+    """Return the random numbers that object `number` of a cell is drawn with."""
+    return generator(seed, OBJECT_STREAM, number)
+
+
 def draw_object(nominal: Mesh, config: CellConfig, rng: np.random.Generator) -> Mesh:
     """Draw an object's size and pose and return its mesh at rest in a cup at the origin."""
     radial, axial = np.exp(rng.normal(0.0, config.size_spread, 2))
@@ -30,11 +39,22 @@ def draw_object(nominal: Mesh, config: CellConfig, rng: np.random.Generator) -> 
     return at_rest(turned, config.cup, config.layout)
 
 
+def pose_name(config: CellConfig, rng: np.random.Generator) -> str:
+    """Return how the object lies, one of `POSES`, that `draw_object` draws with the same random numbers."""
+    rng.normal(0.0, config.size_spread, 2)  # its size comes first
+    return POSES[_pose_of(config.poses, rng)]
+
+
+def _pose_of(poses: PoseMix, rng: np.random.Generator) -> int:
+    """Draw an index into `POSES`."""
+    frequencies = np.array([poses.upright, poses.leaning, poses.lying])
+    return int(rng.choice(len(POSES), p=frequencies / frequencies.sum()))
+
+
 def _orientation(poses: PoseMix, rng: np.random.Generator) -> Pose:
     """Draw spin about the object's axis, tilt of that axis, and yaw about the vertical, shape (4, 4)."""
-    frequencies = np.array([poses.upright, poses.leaning, poses.lying])
     ranges = (poses.upright_tilt, poses.leaning_tilt, poses.lying_tilt)
-    tilt = np.radians(rng.uniform(*ranges[rng.choice(3, p=frequencies / frequencies.sum())]))
+    tilt = np.radians(rng.uniform(*ranges[_pose_of(poses, rng)]))
     spin, yaw = rng.uniform(0.0, 2.0 * np.pi, 2)
     turn = rotation([0.0, 0.0, yaw]) @ rotation([0.0, tilt, 0.0]) @ rotation([0.0, 0.0, spin])
     pose = np.eye(4)

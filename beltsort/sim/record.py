@@ -13,9 +13,9 @@ import numpy as np
 from beltsort.errors import RecordingError
 from beltsort.geometry import Points
 from beltsort.sim import CellConfig
-from beltsort.sim.collect import SCANS
+from beltsort.sim.collect import SCANS, table_scenes
 from beltsort.sim.config import TABLE_OBJECTS
-from beltsort.sim.rounds import TABLE_STREAM, Round, rounds_of
+from beltsort.sim.rounds import Scenes
 from beltsort.tables.recording import (
     HEADER,
     MANIFEST,
@@ -100,10 +100,11 @@ def record_simulated(
     *,
     objects: int = TABLE_OBJECTS,
     seed: int = 0,
+    passages: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Recording:
-    """Record the scans that `collect_counts` labels: whole depth images, 7 MB each.
+    """Record the scans that `collect_scans` labels: whole depth images, 7 MB each.
 
     Parameters
     ----------
@@ -111,6 +112,8 @@ def record_simulated(
         Folder of the recording; an interrupted one is resumed.
     config, objects, seed, workers, progress
         As in `collect_counts`.
+    passages
+        As in `beltsort.sim.collect.table_scenes`.
 
     Raises
     ------
@@ -120,32 +123,31 @@ def record_simulated(
         As `collect_counts`.
     """
     config = config or CellConfig()
-    rounds = rounds_of(TABLE_STREAM, seed, config, objects)
+    scenes = table_scenes(config, objects=objects, seed=seed, passages=passages)
     settings = json.loads(json.dumps(asdict(config)))
     viewpoints = tuple(viewpoint.name for viewpoint in config.viewpoints)
     source = {"cell": "simulated", "seed": seed, "settings": settings}
     with RecordingWriter(folder, Header(config.classes, viewpoints, config.layout, source)) as writer:
         known = writer.files()
-        waiting = [work for work in rounds if not known >= set(_files(work, config))]
+        waiting = [work for work in scenes if not known >= set(_files(work, config))]
         for scans in in_processes(partial(_recorded, folder, config), waiting, workers, progress):
             writer.append(scan for scan in scans if scan.file not in known)
     return read_recording(folder)
 
 
-def _files(work: Round, config: CellConfig) -> list[str]:
+def _files(work: Scenes, config: CellConfig) -> list[str]:
     return [f"{name}.npy" for name in work.scan_names(config, SCANS)]
 
 
-def _recorded(folder: Path, config: CellConfig, work: Round) -> list[RecordedScan]:
-    """Write the clouds of a round."""
+def _recorded(folder: Path, config: CellConfig, work: Scenes) -> list[RecordedScan]:
+    """Write the clouds of all scans."""
     files, recorded = iter(_files(work, config)), []
-    for scene, (true, scans) in enumerate(work.scenes(config, SCANS)):
+    for truth, scans in zip(work.truths(config), work.scans(config, SCANS), strict=True):
         for scan in scans:
             file = next(files)
             _write_cloud(folder / file, scan.points)
-            visible = tuple(true[: config.layout.positions])
-            names = work.object_names(config, scene)
-            recorded.append(RecordedScan(file, work.viewpoint, visible, names, scan.world_from_camera))
+            pose = scan.world_from_camera
+            recorded.append(RecordedScan(file, truth.viewpoint, truth.true, truth.objects, pose))
     return recorded
 
 

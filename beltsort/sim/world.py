@@ -9,12 +9,10 @@ from beltsort.errors import CellError
 from beltsort.geometry import Points
 from beltsort.sim.bulbs import bulb
 from beltsort.sim.config import CellConfig
-from beltsort.sim.objects import cup_mesh, draw_object
+from beltsort.sim.objects import cup_mesh, draw_object, object_generator
 from beltsort.sim.scene import Scene
 from beltsort.sim.surfaces import Mesh, read_mesh
-from beltsort.util.randomness import checked_seed, generator
-
-OBJECT_STREAM = 0  # random stream of objects, distinct from that of scans
+from beltsort.util.randomness import checked_seed
 
 
 class World:
@@ -96,7 +94,7 @@ class World:
         if label is None or (position == 0 and self._removed):
             return None
         if number not in self._objects:
-            rng = generator(self._seed, OBJECT_STREAM, number)
+            rng = object_generator(self._seed, number)
             self._objects[number] = draw_object(self._nominal[label], self._config, rng)
         return _translated(self._objects[number], self._config.layout.centre(position))
 

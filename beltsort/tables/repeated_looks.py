@@ -226,36 +226,6 @@ def looks_at_objects(
     return [LooksAtObject(true, tuple(rows), named.get(name)) for (true, name), rows in looks.items()]
 
 
-def looks_in_every_row(
-    true: Integers, labels: Integers, modes: Sequence[str | None] | None = None
-) -> list[LooksAtObject]:
-    """Convert labels of objects that were all looked at equally often in each row.
-
-    Parameters
-    ----------
-    true
-        Class of each object, shape (n,).
-    labels
-        Shape (n, H, K, scans), `NONE` where there was none; for example those of
-        `beltsort.calibration.dependence.collect_looks`.
-    modes
-        Name of each object's mode, or None; default none is known.
-
-    Examples
-    --------
-    >>> looks_in_every_row(np.array([1]), np.array([[[[0, NONE]]]]))
-    [LooksAtObject(true=1, looks=((0, 0, 0), (0, 0, None)), mode=None)]
-    """
-    n, *rows = labels.shape
-    places = np.indices(rows).reshape(3, -1)[:2].T.tolist()
-    seen = [[None if z == NONE else z for z in each] for each in labels.reshape(n, -1).tolist()]
-    named = [None] * n if modes is None else modes
-    return [
-        LooksAtObject(label, tuple((j, k, z) for (j, k), z in zip(places, own, strict=True)), mode)
-        for label, own, mode in zip(true.tolist(), seen, named, strict=True)
-    ]
-
-
 def _check(what: str, indices: Integers, least: int, number: int) -> None:
     wrong = indices[(indices < least) | (indices >= number)]
     if len(wrong):

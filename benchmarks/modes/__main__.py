@@ -1,18 +1,20 @@
 """`python -m benchmarks.modes`: collect looks of the simulated cell; compare tables with modes."""
 
 import sys
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from beltsort.cli.arguments import add_json
-from beltsort.cli.output import print_json, print_status, print_table
+from beltsort.cli.output import print_json, print_table
 from beltsort.cli.progress import tenths
 from beltsort.sim import CellConfig
+from beltsort.sim.collect import collect_matches
 from beltsort.sim.prepare import prepare
-from benchmarks.modes.collect import SimulatedLooks, collect
-from benchmarks.modes.measure import Row, measure
+from beltsort.sim.rounds import passages_of
+from beltsort.tables import MatchLog
+from benchmarks.modes.measure import Matched, Row, measure
 
 
 def parser() -> ArgumentParser:
@@ -23,7 +25,7 @@ def parser() -> ArgumentParser:
         "were fitted to others. Collecting takes 0.35 s an object, predicting a minute.",
     )
     arguments.add_argument(
-        "file", type=Path, metavar="LOOKS", help="a .npz file of looks, which is made if it is not there"
+        "file", type=Path, metavar="LOOKS", help="file of what is seen in the scans; missing ones are added"
     )
     arguments.add_argument(
         "--objects", type=int, default=480, metavar="N", help="objects to fit, and others to predict"
@@ -38,22 +40,34 @@ def parser() -> ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Measure and print; return the exit code."""
     arguments = parser().parse_args(argv)
-    if not arguments.file.exists():
-        collect(
-            prepare().database,
-            CellConfig(),
-            objects=2 * arguments.objects,
-            seed=arguments.seed,
-            workers=arguments.workers,
-            progress=tenths("looks"),
-        ).save(arguments.file)
-        print_status(f"looks: {arguments.file}")
-    rows = list(measure(SimulatedLooks.load(arguments.file), arguments.objects, most=arguments.modes))
+    matched = collect(arguments)
+    rows = list(measure(matched, arguments.objects, most=arguments.modes))
     if arguments.json:
         print_json({"objects": arguments.objects, "rows": [asdict(row) for row in rows]})
     else:
         show(rows)
     return 0
+
+
+def collect(arguments: Namespace) -> Matched:
+    """Scan the objects, except those in the file."""
+    config = CellConfig()
+    of_each = -(-2 * arguments.objects // len(config.classes))
+    with MatchLog(arguments.file, {"seed": str(arguments.seed)}) as log:
+        scans = collect_matches(
+            prepare().database,
+            config,
+            objects=of_each,
+            seed=arguments.seed,
+            passages=True,
+            workers=arguments.workers,
+            progress=tenths("looks"),
+            log=log,
+        )
+    poses: dict[str, str] = {}
+    for passage in passages_of(arguments.seed, of_each):
+        poses |= passage.poses(config)
+    return Matched(scans, config.classes, len(config.viewpoints), poses)
 
 
 def show(rows: Sequence[Row]) -> None:

@@ -1,20 +1,20 @@
 """Log-loss and calibration of tables with and without modes, on looks that they were not fitted to."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from beltsort.tables import ModeSettings, RepeatedLooks, TableShape
+from beltsort.perception.label_edges import fit_label_rule
+from beltsort.perception.label_rule import LabelRule
+from beltsort.tables import MatchedScan, ModeSettings, RepeatedLooks, TableShape, looks_at_objects
 from beltsort.tables.held_out import Candidate, log_posteriors
 from beltsort.tables.mode_choice import MOST_MODES, candidates
-from beltsort.tables.repeated_looks import NONE, Array, Integers, looks_in_every_row
+from beltsort.tables.repeated_looks import Array, Integers
 from beltsort.util.calibration_error import calibration_error
-from benchmarks.modes.collect import SimulatedLooks
 
 SHARES = (1 / 3, 2 / 3, 1.0)  # 4, 8 and 12 of 12 looks at an object
 ORDERS = 5  # random orders of the looks, over which figures are means
-POSES = ("upright", "leaning", "lying")
 LABELS = {"classes": 1, "classes with two confidence levels": 2}
 
 
@@ -54,46 +54,67 @@ class Row:
     right: tuple[float, ...]
 
 
-def confidence_levels(looks: SimulatedLooks, levels: int, fitted: slice) -> Integers:
-    """Return labels with confidence levels: label * levels + level, shape (n, H, K, scans).
+@dataclass(frozen=True, eq=False)
+class Matched:
+    """Scans of objects that were all looked at equally often.
 
-    The level is the quantile among the objects `fitted` of by how much the second-best class is farther away.
+    Attributes
+    ----------
+    scans
+        From `beltsort.sim.collect.collect_matches`, of passages.
+    classes
+        Names of the classes.
+    viewpoints
+        K.
+    poses
+        How each object lies, by its name.
     """
-    distances = np.sort(looks.distances, axis=-1)
-    margin = distances[..., 1] - distances[..., 0]
-    edges = np.nanquantile(margin[fitted], np.arange(1, levels) / levels)
-    level = np.searchsorted(edges, margin)
-    return np.where(looks.labels == NONE, NONE, looks.labels * levels + level)
+
+    scans: Sequence[MatchedScan]
+    classes: tuple[str, ...]
+    viewpoints: int
+    poses: Mapping[str, str]
+
+    def rule(self, levels: int, objects: set[str]) -> LabelRule:
+        """Return the rule whose levels are equally frequent in scans of the named objects."""
+        seen = [
+            (position.match, true)
+            for scan in self.scans
+            for position, true, name in zip(scan.seen, scan.true, scan.objects, strict=True)
+            if name in objects and position.match is not None and true is not None
+        ]
+        return fit_label_rule(self.classes, [m for m, _ in seen], [true for _, true in seen], levels)
+
+    def looks(self, rule: LabelRule) -> RepeatedLooks:
+        """Return the looks as tables are fitted to them, the objects in the order of `poses`."""
+        positions = len(self.scans[0].true)
+        shape = TableShape(positions, self.viewpoints, len(self.classes), len(rule.labels))
+        scans = [scan.labelled(rule) for scan in self.scans]
+        return RepeatedLooks.of(looks_at_objects(scans, self.poses), shape)
 
 
-def repeated(looks: SimulatedLooks, labels: Integers, number: int, *, named: bool = False) -> RepeatedLooks:
-    """Return the looks as tables are fitted to them; `number` is the number of labels Z."""
-    objects = looks_in_every_row(looks.true, labels, [POSES[pose] for pose in looks.pose] if named else None)
-    shape = TableShape(labels.shape[1], labels.shape[2], int(looks.true.max()) + 1, number)
-    return RepeatedLooks.of(objects, shape)
-
-
-def measure(looks: SimulatedLooks, fitted: int, *, most: int = MOST_MODES) -> Iterator[Row]:
+def measure(matched: Matched, fitted: int, *, most: int = MOST_MODES) -> Iterator[Row]:
     """Fit every candidate to the first objects and predict the others, and the other way round.
 
     Parameters
     ----------
-    looks
-        The looks.
+    matched
+        The scans.
     fitted
         Objects to fit to; the same number is predicted. With fewer than twice as many objects, an error.
     most
         Largest number of modes.
     """
-    if not 0 < 2 * fitted <= len(looks.true):
-        raise ValueError(f"{len(looks.true)} objects, expected twice {fitted}: collect more")
-    classes = int(looks.true.max()) + 1
+    names = list(matched.poses)
+    if not 0 < 2 * fitted <= len(names):
+        raise ValueError(f"{len(names)} objects, expected twice {fitted}: collect more")
     halves = (slice(0, fitted), slice(fitted, 2 * fitted))
     for name, levels in LABELS.items():
         pairs = []
         for fit, test in (halves, halves[::-1]):
-            everything = repeated(looks, confidence_levels(looks, levels, fit), classes * levels, named=True)
+            everything = matched.looks(matched.rule(levels, set(names[fit])))
             pairs.append(tuple(everything.of_objects(np.arange(2 * fitted)[part]) for part in (fit, test)))
+        looks = round(len(everything.objects) / len(everything))
         base: Array | None = None
         for candidate in candidates(pairs[0][0], ModeSettings(), most):
             kinds, posteriors, true = _predicted(candidate, pairs)
@@ -103,7 +124,7 @@ def measure(looks: SimulatedLooks, fitted: int, *, most: int = MOST_MODES) -> It
                 name,
                 candidate.name,
                 kinds,
-                tuple(round(share * looks.labels[0].size) for share in SHARES),
+                tuple(round(share * looks) for share in SHARES),
                 *_mean(losses),
                 *_mean(base - losses),
                 _calibration_errors(posteriors, true),

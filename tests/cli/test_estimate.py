@@ -18,6 +18,7 @@ from beltsort.perception import NearestNeighbour, rule_of
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_counts, collect_training
 from beltsort.sim.record import record_simulated
+from beltsort.sim.rounds import OBJECTS_OF_A_CLASS
 from beltsort.tables import LabelledScan, estimate
 from beltsort.tables.log import LabelLog
 from tests.cli.running import command
@@ -133,6 +134,24 @@ def test_with_modes(folder: str, classifier: str, tmp_path: Path, capsys: pytest
     assert beltsort.SortingModel.load(model).modes == [[1.0]] * 4
     assert main([*given, "--modes", "2", "--repeats"]) == 2
     assert re.search(r"--modes 2.*--repeats.*leave", capsys.readouterr().err)
+
+
+def test_modes_of_the_simulated_cell(
+    classifier: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = tmp_path / "model.json"
+    given = ["estimate", "simulated", "--objects", "2", "--classifier", classifier, "-o", str(model)]
+    assert main([*given, "--workers", "1", "--modes", "2", "--levels", "2", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    saved = beltsort.SortingModel.load(model)
+    assert any(len(weights) == 2 for weights in saved.modes)
+    assert saved.p_obs.shape[3] == len(rule_of(saved).labels) == 8
+    counts = np.array(said["counts"]).sum(axis=-1) + np.array(said["missed"])
+    np.testing.assert_array_equal(counts, OBJECTS_OF_A_CLASS)
+    assert main([*given, "--modes", "auto", "--levels", "1"]) == 0
+    said = capsys.readouterr()
+    assert re.search(rf"\b150 scans\b.*{re.escape(str(model.with_suffix('.matches')))}\n", said.err)
+    assert re.search(r"\bChosen on held-out objects\b", said.err)
 
 
 def test_killed_and_begun_again(classifier: str, tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from beltsort.tables.label import label_recording, match_recording
 from beltsort.tables.log import LabelLog
 from beltsort.tables.matches import MatchLog
 from beltsort.tables.recording import MANIFEST, Recording, read_recording
+from beltsort.tables.repeated_looks import looks_at_objects
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +42,21 @@ def test_recorded_scans_get_the_labels_of_live_ones(
     live = collect_scans(database, config, objects=2, seed=5, workers=1)
     assert len(live) == 2 * 4 * 2
     assert label_recording(recorded, database, workers=1) == live
+
+
+@pytest.mark.slow
+def test_recorded_passages_show_every_object_in_every_row(
+    config: CellConfig, database: NearestNeighbour, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("beltsort.sim.rounds.OBJECTS_OF_A_CLASS", 1)
+    passage = record_simulated(tmp_path, config, objects=1, seed=5, passages=True, workers=1)
+    live = collect_scans(database, config, objects=1, seed=5, passages=True, workers=1)
+    labelled = label_recording(passage, database, workers=1)
+    assert labelled == live
+    objects = looks_at_objects(labelled)
+    rows = sorted([(j, k) for j in range(2) for k in range(len(config.viewpoints))] * 2)
+    assert all(sorted((j, k) for j, k, _ in each.looks) == rows for each in objects)
+    assert sorted(each.true for each in objects) == [0, 1, 2, 3]
 
 
 @pytest.mark.slow
