@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from beltsort.calibration.causes import Causes
 from beltsort.calibration.check import Arm
+from beltsort.calibration.promise import Promise
 from beltsort.calibration.reliability import Reliability
 from beltsort.planning.comparison import Difference
 
@@ -42,6 +43,22 @@ def differences_rows(differences: Mapping[str, Mapping[str, Difference]]) -> Row
             [name, *(f"{d.mean:+.3f} ± {d.standard_error:.3f} ({d.z:+.1f})" for d in cells)]
             for name in names
             for cells in [[by[name] for by in differences.values()]]
+        ),
+    ]
+
+
+def promises_rows(promises: Mapping[str, Promise]) -> Rows:
+    """Return a row for each arm: right decisions of ten, promised and from depth scans."""
+    return [
+        ["", "promised", "from depth scans", "difference (95 % interval)"],
+        *(
+            [
+                name,
+                f"{promise.promised.mean:.2f} ± {promise.promised.standard_error:.2f}",
+                f"{promise.sorted.mean:.2f} ± {promise.sorted.standard_error:.2f}",
+                f"{promise.difference.mean:+.2f} ({promise.interval[0]:+.2f} to {promise.interval[1]:+.2f})",
+            ]
+            for name, promise in promises.items()
         ),
     ]
 

@@ -14,6 +14,7 @@ from beltsort.util.text import numbers_or_none
 if TYPE_CHECKING:
     from beltsort.calibration.causes import Causes
     from beltsort.calibration.check import Arm
+    from beltsort.calibration.promise import Promise
     from beltsort.perception import NearestNeighbour
     from beltsort.planning.comparison import Difference
 
@@ -22,8 +23,10 @@ LARGEST_ERROR = 0.03
 """Expected calibration error above which the output suggests `--causes`."""
 DESCRIPTION = """
 Sort simulated objects of all classes from depth scans, and measure how often beliefs are true: a calibrated
-belief of 0.9 is true nine times in ten. All models sort the same objects. Without MODEL, the tables of the
-simulated cell are used, once without and once with the dependence of repeated looks (`repeat`).
+belief of 0.9 is true nine times in ten. All models sort the same objects. Also printed is how many right
+decisions the tables promise, that is with labels drawn from them. Without MODEL, three models of the simulated
+cell are compared: tables without and with the dependence of repeated looks (`repeat`), and tables with modes
+for labels with confidence levels.
 """
 
 
@@ -69,6 +72,7 @@ def run(arguments: Namespace) -> int:
     from beltsort.calibration.causes import find_causes
     from beltsort.calibration.check import Arm
     from beltsort.calibration.figure import draw_reliability
+    from beltsort.calibration.promise import promises
     from beltsort.calibration.sorted_runs import sort_many
 
     check_writable(arguments.figure)
@@ -83,6 +87,9 @@ def run(arguments: Namespace) -> int:
     )
     arms = {name: Arm.of(runs) for name, runs in zip(models, every, strict=True)}
     draw_reliability({name: arm.curves for name, arm in arms.items()}, arguments.figure)
+    promised = promises(
+        models, arms, seed=arguments.seed, workers=arguments.workers, progress=tenths("promises")
+    )
     causes = None
     if arguments.causes is not None:
         causes = find_causes(
@@ -94,9 +101,9 @@ def run(arguments: Namespace) -> int:
             progress=tenths("causes"),
         )
     if arguments.json:
-        print_json(as_json(arguments, arms, causes))
+        print_json(as_json(arguments, arms, promised, causes))
     else:
-        show(arguments, arms, causes)
+        show(arguments, arms, promised, causes)
     return 0
 
 
@@ -114,6 +121,7 @@ def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel
                 "labels; name models or leave it out"
             )
         return given, NearestNeighbour.load(arguments.classifier)
+    from beltsort.models import simulated
     from beltsort.sim import CellConfig
     from beltsort.sim.prepare import prepare
 
@@ -123,6 +131,7 @@ def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel
         name: prepared.counts.model(config.classes, viewpoints, repeats=repeats)
         for name, repeats in (("without repeats", False), ("with repeats", True))
     }
+    own["with modes"] = simulated()
     return given or own, prepared.database
 
 
@@ -132,7 +141,9 @@ def differences(arms: "dict[str, Arm]") -> "dict[str, dict[str, Difference]]":
     return {name: arms[name].minus(arms[first]) for name in others}
 
 
-def as_json(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") -> dict[str, Any]:
+def as_json(
+    arguments: Namespace, arms: "dict[str, Arm]", promised: "dict[str, Promise]", causes: "Causes | None"
+) -> dict[str, Any]:
     """Return the results as plain data."""
     return {
         "command_line": arguments.command_line,
@@ -142,17 +153,21 @@ def as_json(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None
             name: {what: numbers_or_none(asdict(difference)) for what, difference in by.items()}
             for name, by in differences(arms).items()
         },
+        "promises": {name: promise.to_dict() for name, promise in promised.items()},
         "causes": None if causes is None else causes.to_dict(),
         "figure": str(arguments.figure),
     }
 
 
-def show(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") -> None:
+def show(
+    arguments: Namespace, arms: "dict[str, Arm]", promised: "dict[str, Promise]", causes: "Causes | None"
+) -> None:
     """Print the results as tables."""
     from beltsort.calibration.layout import (
         arms_rows,
         dependences_rows,
         differences_rows,
+        promises_rows,
         simulated_rows,
     )
 
@@ -162,6 +177,8 @@ def show(arguments: Namespace, arms: "dict[str, Arm]", causes: "Causes | None") 
     if len(arms) > 1:
         print(f"Minus {next(iter(arms))}, on the same objects (in standard errors):")
         print_table(differences_rows(differences(arms)))
+    print("Right decisions of ten, with labels drawn from the tables (promised) and from depth scans:")
+    print_table(promises_rows(promised))
     if causes is not None:
         print(
             f"Pairs of looks at the same object, {causes.objects} objects; models assume independence in all "

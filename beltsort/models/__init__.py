@@ -23,3 +23,19 @@ def paper() -> SortingModel:
     ['p1', 'p2', 'p3']
     """
     return SortingModel.from_json(files(__name__).joinpath("paper.json").read_text("utf-8"))
+
+
+def simulated() -> SortingModel:
+    """Return a model of the default simulated cell whose labels have confidence levels, and classes modes.
+
+    It was fitted to many looks at each of several thousand simulated objects; its note says by which command.
+    It sorts what the packaged classifier labels (`beltsort.sim.prepare.prepare`).
+
+    Examples
+    --------
+    >>> from beltsort.models import simulated
+    >>> model = simulated()
+    >>> len(model.labels) > len(model.classes), all(len(weights) > 1 for weights in model.modes)
+    (True, True)
+    """
+    return SortingModel.from_json(files(__name__).joinpath("simulated_cell_modes.json").read_text("utf-8"))
