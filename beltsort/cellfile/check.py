@@ -9,10 +9,11 @@ from beltsort.cell.commands import CommandError
 from beltsort.cell.frames import from_matrix
 from beltsort.cell.protocols import Cell, Health
 from beltsort.cell.stopping import stopping
-from beltsort.cellfile.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops
+from beltsort.cellfile.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops, seen_findings
 from beltsort.cellfile.registry import ROLES
 from beltsort.cellfile.sections import CheckLimits
 from beltsort.errors import CellError
+from beltsort.perception import Finding, PoseFault
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,18 @@ class View:
         The measured belt plane.
     crops
         Coverage of each position, the belt end first.
+    findings
+        What perception finds at each position, or why nothing; empty if the scan has no finite point.
+    pose_fault
+        What is likely wrong with the scan's pose, or None.
     """
 
     viewpoint: str
     pose: Deviation | None
     belt: SeenBelt
     crops: tuple[SeenCrop, ...]
+    findings: tuple[Finding, ...] = ()
+    pose_fault: PoseFault | None = None
 
 
 @dataclass
@@ -104,7 +111,8 @@ def _visits(cell: Cell) -> Iterator[View]:
                 "cell file's transforms"
             ) from reason
         deviation = deviation_from(poses[viewpoint], scan)
-        yield View(name, deviation, seen_belt(scan), seen_crops(scan, cell.layout))
+        crops = seen_crops(scan, cell.layout)
+        yield View(name, deviation, seen_belt(scan), crops, *seen_findings(scan, cell.layout))
 
 
 def _beyond(view: View, limits: CheckLimits) -> Iterator[str]:
@@ -116,6 +124,8 @@ def _beyond(view: View, limits: CheckLimits) -> Iterator[str]:
             f"off, expected at most {limits.pose_angle:g} (check.pose_angle) and {limits.pose_distance:g} "
             "(check.pose_distance): correct the hand-eye transform, the belt frame or the viewpoint's pose"
         )
+    if view.pose_fault is not None:
+        yield (f"{view.viewpoint}: the belt is not where the camera's pose says; likely: {view.pose_fault}")
     if belt.points < limits.belt_points:
         yield (
             f"{view.viewpoint}: {belt.points} points are on the belt, expected at least {limits.belt_points} "

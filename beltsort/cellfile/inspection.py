@@ -1,11 +1,14 @@
-"""Measurements of the belt plane and the positions in a scan."""
+"""Measurements of the belt plane and the positions in a scan, and what perception finds there."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from beltsort.cell.protocols import Scan
+from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points, Pose, transform
+from beltsort.perception import Finding, PerceptionConfig, PoseFault, segment
+from beltsort.perception.checks import counted_warnings
 from beltsort.perception.level import BANDS, levelled
 
 BELOW = 0.01  # metres; points in a crop may be this far below the belt, because of noise
@@ -74,6 +77,21 @@ def seen_crops(scan: Scan, layout: BeltLayout) -> tuple[SeenCrop, ...]:
         within = near & (offset[:, 2] > -BELOW) & (offset[:, 2] < layout.crop_height)
         crops.append(SeenCrop(_inside(scan.points, pose, layout, position), int(within.sum())))
     return tuple(crops)
+
+
+def seen_findings(
+    scan: Scan, layout: BeltLayout, config: PerceptionConfig | None = None
+) -> tuple[tuple[Finding, ...], PoseFault | None]:
+    """Return what perception finds at each position, and the likely fault of the scan's pose.
+
+    A scan without a finite point has no findings.
+    """
+    try:
+        with counted_warnings():
+            segmented = segment(scan, layout, config)
+    except CloudError:
+        return (), None
+    return segmented.findings, segmented.pose_fault
 
 
 def finite_points(scan: Scan) -> Points:

@@ -292,6 +292,7 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
         "skipped": list(report.skipped),
         "passed": list(report.passed),
         "drift": [alarm.to_dict() for alarm in report.drift],
+        "pose_faults": dict(report.pose_faults),
         "dry_run": list(run.cell.dry_run),
         "folder": str(run.folder),
     }

@@ -21,8 +21,9 @@ def add_parser(subparsers: Subparsers) -> None:
         "check",
         help="visit every viewpoint of a cell and compare the scans with its cell file",
         description="Query the health of every device, visit every viewpoint, take a scan at each, and print "
-        "where the belt is, how much of every position is seen, the duration of each call, and what the "
-        "model promises. The exit code is 1 if a limit of the file's table [check] is exceeded.",
+        "where the belt is, how much of every position is seen and what is found there, the duration of "
+        "each call, and what the model promises. The exit code is 1 if a limit of the file's table [check] "
+        "is exceeded, or the belt is not where a camera's pose says.",
     )
     add_cell(parser)
     add_json(parser)
@@ -103,7 +104,7 @@ def show(found: "CellCheck", calls: "list[Recorded]") -> None:
     print_table([("device", "ready", "boot id"), *health])
     if found.views:
         print()
-        seen = ("belt angle", "belt height", "belt points", "position", "in image", "points")
+        seen = ("belt angle", "belt height", "belt points", "position", "in image", "points", "finding")
         views = (row for view in found.views for row in view_rows(view))
         print_table([("viewpoint", "pose off by", *seen), *views])
     print()
@@ -124,6 +125,7 @@ def view_rows(view: "View") -> list[tuple[str, ...]]:
             str(position + 1),
             "?" if crop.inside is None else f"{crop.inside:.0%}",
             str(crop.points),
+            view.findings[position] if view.findings else "?",
         )
         for position, crop in enumerate(view.crops)
     ]

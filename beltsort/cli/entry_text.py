@@ -43,6 +43,7 @@ class EntryFormatter:
         self.viewpoints: list[str] = []
         self.belief: list[list[float]] = []
         self._arrival: list[float] = []
+        self._pose_faults: set[str] = set()
 
     def format(self, entry: Entry) -> str | None:
         """Return the line of an entry, or None for an entry that is not shown."""
@@ -115,7 +116,15 @@ class EntryFormatter:
         ]
         self.belief = scan.belief
         beliefs = " | ".join(self.likely(row) for row in self.belief)
-        return f"look from {self.viewpoints[scan.viewpoint]}: {' | '.join(seen)}  ->  {beliefs}"
+        look = f"look from {self.viewpoints[scan.viewpoint]}: {' | '.join(seen)}  ->  {beliefs}"
+        return f"{look}{self._new_fault(scan.pose_fault)}"
+
+    def _new_fault(self, fault: str | None) -> str:
+        """Return a warning about the pose of a scan; nothing if none is due, or it was given before."""
+        if fault is None or fault in self._pose_faults:
+            return ""
+        self._pose_faults.add(fault)
+        return f"  warning: the belt is not where the pose says; likely: {fault}"
 
     def _wrong_viewpoint(self, scan: ScanElsewhere) -> str:
         there = scan.stands_at

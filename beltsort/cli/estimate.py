@@ -23,7 +23,8 @@ FIGURES = (".png", ".svg", ".pdf")
 DESCRIPTION = """
 Estimate observation tables from scans of the simulated cell, or from a folder of recorded scans
 (`beltsort.tables.recording` describes its format). Labels are stored beside the model as they are computed:
-the same command resumes after an interruption, and more --objects or more recorded scans add to them.
+the same command resumes after an interruption, and more --objects or more recorded scans add to them. The
+exit code is 2 if no object gets a label, for example because the poses are wrong.
 """
 
 
@@ -119,9 +120,11 @@ def run(arguments: Namespace) -> int:
             "model": str(arguments.output),
             "wanted_error": arguments.error,
             "modes": None if choice is None else choice.to_dict(),
+            "findings": labelled.found.to_dict(),
         }
         print_json({**settings, **result.to_dict(), "expected": expected.to_dict()})
     else:
+        print(f"What looks at objects found:\n{labelled.found}\n")
         show(result, expected, arguments)
     return 0
 

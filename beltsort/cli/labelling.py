@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import warnings
 from argparse import Namespace
 from dataclasses import asdict
 from pathlib import Path
@@ -14,6 +15,7 @@ from beltsort.sim.config import TABLE_OBJECTS
 
 if TYPE_CHECKING:
     from beltsort.perception import Classifier, LabelRule
+    from beltsort.tables.findings import FindingCounts
     from beltsort.tables.log import LabelLog
     from beltsort.tables.matches import MatchedScan, MatchLog
     from beltsort.tables.recording import Recording
@@ -24,16 +26,35 @@ SEED = 0
 
 
 class Labelled(NamedTuple):
-    """Labelled scans, the names of classes and viewpoints, and the rule that made the labels, if any."""
+    """Labelled scans, the names of classes and viewpoints, and the rule that made the labels, if any.
+
+    `found` counts what the scans showed, with classes as the labels.
+    """
 
     classes: list[str]
     viewpoints: list[str]
     scans: "list[LabelledScan]"
     rule: "LabelRule | None"
     named_modes: dict[str, str]
+    found: "FindingCounts"
 
 
 def labelled_scans(arguments: Namespace) -> Labelled:
+    """Label the scans of the cell, and print a line for each kind of problem with them.
+
+    Raises
+    ------
+    RecordingError
+        If no object got a label.
+    """
+    from beltsort.perception import PoseWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PoseWarning)  # `tell_findings` prints them
+        return label_cell(arguments)
+
+
+def label_cell(arguments: Namespace) -> Labelled:
     """Label the scans of the cell."""
     if arguments.cell != SIMULATED:
         from beltsort.tables.recording import read_recording
@@ -113,12 +134,10 @@ def from_simulation(database: "Classifier", arguments: Namespace, objects: int, 
     if arguments.levels is None:
         with log_beside(arguments, settings) as log:
             scans = collect_scans(database, config, log=log, **given)
-        return Labelled(list(config.classes), viewpoints, scans, None, {})
+        return without_levels(scans, list(config.classes), viewpoints, {})
     with match_log_beside(arguments, settings) as matches:
         matched = collect_matches(database, config, log=matches, **given)
-    return Labelled(
-        list(config.classes), viewpoints, *with_levels(database, matched, viewpoints, arguments), {}
-    )
+    return with_levels(database, matched, viewpoints, {}, arguments)
 
 
 def from_recording(recording: "Recording", database: "Classifier", arguments: Namespace) -> Labelled:
@@ -132,24 +151,55 @@ def from_recording(recording: "Recording", database: "Classifier", arguments: Na
     if arguments.levels is None:
         with log_beside(arguments, settings) as log:
             scans = label_recording(recording, database, log=log, **given)
-        return Labelled(classes, viewpoints, scans, None, recording.modes())
+        return without_levels(scans, classes, viewpoints, recording.modes())
     with match_log_beside(arguments, settings) as matches:
         matched = match_recording(recording, database, log=matches, **given)
-    labelled = with_levels(database, matched, viewpoints, arguments)
-    return Labelled(classes, viewpoints, *labelled, recording.modes())
+    return with_levels(database, matched, viewpoints, recording.modes(), arguments)
+
+
+def without_levels(
+    scans: "list[LabelledScan]", classes: list[str], viewpoints: list[str], named_modes: dict[str, str]
+) -> Labelled:
+    """Return scans whose labels are the classes."""
+    return Labelled(classes, viewpoints, scans, None, named_modes, tell_findings(scans, viewpoints))
+
+
+def tell_findings(scans: "list[LabelledScan]", viewpoints: list[str]) -> "FindingCounts":
+    """Count what scans found, and print a line for each kind of problem.
+
+    Raises
+    ------
+    RecordingError
+        If no object got a label.
+    """
+    from beltsort.tables.findings import FindingCounts
+
+    found = FindingCounts.of(scans, viewpoints)
+    found.check_labelled()
+    for warning in found.warnings():
+        print_status(f"Warning: {warning}.")
+    return found
 
 
 def with_levels(
-    database: "Classifier", scans: "list[MatchedScan]", viewpoints: list[str], arguments: Namespace
-) -> "tuple[list[LabelledScan], LabelRule]":
-    """Label scans with a rule of so many levels, print how it was chosen, and return both."""
+    database: "Classifier",
+    scans: "list[MatchedScan]",
+    viewpoints: list[str],
+    named_modes: dict[str, str],
+    arguments: Namespace,
+) -> Labelled:
+    """Label scans with a rule of so many levels, and print how it was chosen."""
+    from beltsort.perception import LabelRule
     from beltsort.tables.confidence import fit_levels
 
+    classes = tuple(database.classes)
+    found = tell_findings([scan.labelled(LabelRule(classes)) for scan in scans], viewpoints)
     levels = None if arguments.levels == "auto" else int(arguments.levels)
     choice = fit_levels(database, scans, len(viewpoints), levels=levels, smoothing=arguments.smoothing)
     losses = ", ".join(f"{loss:.3f}" for loss in choice.log_losses)
     print_status(f"levels of confidence: {choice.rule.levels} (held-out log-loss {losses})")
-    return [scan.labelled(choice.rule) for scan in scans], choice.rule
+    labelled = [scan.labelled(choice.rule) for scan in scans]
+    return Labelled(list(classes), viewpoints, labelled, choice.rule, named_modes, found)
 
 
 def log_beside(arguments: Namespace, settings: dict[str, str]) -> "LabelLog":

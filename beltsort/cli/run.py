@@ -65,6 +65,7 @@ def run(arguments: Namespace) -> int:
     from beltsort.cellfile.run import as_json, open_run
     from beltsort.cli.console import RunConsole, discard
     from beltsort.cli.live import run_display
+    from beltsort.perception.checks import counted_warnings
     from beltsort.sorting.runs import make_folder
 
     console = RunConsole(stderr=arguments.json)
@@ -84,7 +85,8 @@ def run(arguments: Namespace) -> int:
     operator = CommandLineOperator(arguments.settle, opened.broken_off)
     with Interrupts() as interrupts, run_display(console) as listener:
         try:
-            report = opened.sort(listener, operator, interrupts.check)
+            with counted_warnings():
+                report = opened.sort(listener, operator, interrupts.check)
         except HeldError as held:
             print_status(f"beltsort: {held}")
             for line in ways_to_resume(held.hold, arguments, opened):
@@ -227,4 +229,6 @@ def print_result(console: "Console", opened: "CellRun", report: "SortingReport")
         console.print(f"{found.right.value:.0f} right; objects by bin and true class:\n{found}")
     if report.drift:
         console.print(f"{len(report.drift)} drift alarms: estimate the tables again before the next run")
+    for fault, scans in report.pose_faults.items():
+        console.print(f"{scans} scans do not show the belt where their pose says; likely: {fault}")
     console.print(f"journal, model and calls: {opened.folder}")

@@ -52,6 +52,7 @@ def run(arguments: Namespace) -> int:
                 ],
                 "skipped": progress.skipped,
                 "drift": [alarm.to_dict() for alarm in progress.drift.alarms],
+                "pose_faults": progress.pose_faults,
                 "entries": [entry.plain() for entry in entries],
             }
         )
@@ -70,4 +71,6 @@ def show(entries: Sequence[Entry], progress: Progress) -> None:
     done = f"{len(progress.decisions)} sorted, {len(progress.skipped)} empty"
     if progress.drift.alarms:
         print(f"{len(progress.drift.alarms)} drift alarms: labels no longer fit the observation tables")
+    for fault, scans in progress.pose_faults.items():
+        print(f"{scans} scans do not show the belt where their pose says; likely: {fault}")
     print(f"{done}, {progress.objects - progress.index} left; {progress.steps} steps")

@@ -1,6 +1,6 @@
 """From depth scans to class labels: candidates, viewpoint feature histograms, nearest neighbours."""
 
-from beltsort.perception.checks import UnitWarning
+from beltsort.perception.checks import PoseWarning, UnitWarning
 from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.clouds import read_cloud
 from beltsort.perception.config import PerceptionConfig
@@ -13,6 +13,7 @@ from beltsort.perception.leave_one_out import leave_one_out, rejection_threshold
 from beltsort.perception.named_classifier import load_classifier
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.pipeline import Perceived, Perception, perception_for
+from beltsort.perception.pose_fault import PoseCause, PoseFault
 from beltsort.perception.probabilities import FromProbabilities, ProbabilityClassifier
 from beltsort.perception.segment import Segmented, segment
 from beltsort.perception.training import Trained, train_from_clouds
@@ -29,6 +30,9 @@ __all__ = [
     "Perceived",
     "Perception",
     "PerceptionConfig",
+    "PoseCause",
+    "PoseFault",
+    "PoseWarning",
     "ProbabilityClassifier",
     "Segmented",
     "Trained",

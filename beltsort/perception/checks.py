@@ -1,6 +1,8 @@
-"""Conversion of arguments to arrays, and a warning about lengths that are not in metres."""
+"""Conversion of arguments to arrays, and warnings about lengths and poses."""
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,19 @@ def as_array(
 
 class UnitWarning(UserWarning):
     """Lengths that are plausible in another unit than metres."""
+
+
+class PoseWarning(UserWarning):
+    """A scan does not show the belt where its pose says."""
+
+
+@contextmanager
+def counted_warnings() -> Iterator[None]:
+    """Ignore the warnings of single scans, for a caller that counts pose faults and tells each kind once."""
+    with warnings.catch_warnings():
+        for category in (PoseWarning, UnitWarning):
+            warnings.simplefilter("ignore", category)
+        yield
 
 
 def warn_unless_metres(name: str, length: float, plausible: tuple[float, float]) -> None:

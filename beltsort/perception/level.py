@@ -32,8 +32,10 @@ def levelled(points: Points, world_from_camera: Pose) -> Pose:
         The pose that the arm reports, shape (4, 4).
     """
     sample = points[:: max(1, len(points) // SAMPLES)]
-    world = transform(world_from_camera, sample[np.isfinite(sample).all(axis=1)])
-    world = world[(np.abs(world) < (REACH, REACH, BANDS[0])).all(axis=1)]
+    x, y, z = sample.T
+    world = transform(world_from_camera, sample[np.isfinite(x + y + z)])
+    x, y, z = np.abs(world.T)
+    world = world[(x < REACH) & (y < REACH) & (z < BANDS[0])]
     design = np.column_stack([world[:, :2], np.ones(len(world))])
     plane: NDArray[np.float64] = np.zeros(3)
     for band in BANDS:

@@ -11,8 +11,9 @@ from beltsort.perception.finding import Finding
 from beltsort.perception.label_rule import LabelRule, rule_of
 from beltsort.perception.named_classifier import as_classifier
 from beltsort.perception.nearest import NearestNeighbour
+from beltsort.perception.pose_fault import PoseFault
 from beltsort.perception.probabilities import ProbabilityClassifier
-from beltsort.perception.segment import DepthScan, segment
+from beltsort.perception.segment import DepthScan, Segmented, segment
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,8 @@ class Perceived:
         What the classifier returned; None where nothing was classified.
     finding
         What was found, or why nothing was.
+    pose_fault
+        What is likely wrong with the pose of the whole scan; None if the belt is where it says.
     """
 
     position: int
@@ -39,6 +42,7 @@ class Perceived:
     label: int | None = None
     match: Match | None = None
     finding: Finding = Finding.OBJECT
+    pose_fault: PoseFault | None = None
 
     @property
     def distance(self) -> float | None:
@@ -122,16 +126,22 @@ class Perception:
         ------
         CloudError
             If the scan is no point cloud or holds no finite point.
+
+        Warns
+        -----
+        UnitWarning, PoseWarning
+            As `segment`.
         """
         segmented = segment(scan, self.layout, self.config)
-        found = zip(segmented.candidates, segmented.findings, strict=True)
-        return [self._perceive(j, *what, segmented.camera) for j, what in enumerate(found)]
+        return [self._perceive(segmented, position) for position in range(self.layout.positions)]
 
-    def _perceive(self, position: int, points: Points | None, finding: Finding, camera: Points) -> Perceived:
+    def _perceive(self, segmented: Segmented, position: int) -> Perceived:
+        points, finding = segmented.candidates[position], segmented.findings[position]
         match = None
         if points is not None and finding is Finding.OBJECT:
-            match = self.classifier.classify(points, camera)
-        return Perceived(position, points, self.rule.label(match, finding), match, finding)
+            match = self.classifier.classify(points, segmented.camera)
+        label = self.rule.label(match, finding)
+        return Perceived(position, points, label, match, finding, segmented.pose_fault)
 
 
 def perception_for(

@@ -1,5 +1,6 @@
 """Segmentation of a scan: one cleaned cloud for each belt position."""
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -9,11 +10,12 @@ from numpy.typing import NDArray
 
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points, Pose, transform
-from beltsort.perception.checks import as_array, warn_unless_metres
+from beltsort.perception.checks import PoseWarning, as_array, warn_unless_metres
 from beltsort.perception.clean import main_clusters, several_objects, voxel_means, without_outliers
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.finding import Finding
 from beltsort.perception.level import levelled
+from beltsort.perception.pose_fault import PoseFault, pose_fault
 from beltsort.perception.visibility import crossings, image_border, share_seen, within_gap
 
 MOST_POINTS = 4_000_000  # more than a depth camera returns; larger scans are thinned to bound memory
@@ -46,11 +48,14 @@ class Segmented:
         For each position what was found, or why nothing was.
     camera
         The camera's position, corrected with the plane of the visible belt, shape (3,), world frame, metres.
+    pose_fault
+        What is likely wrong with the pose, if the scan does not show the belt where it says; else None.
     """
 
     candidates: tuple[Points | None, ...]
     findings: tuple[Finding, ...]
     camera: Points
+    pose_fault: PoseFault | None = None
 
     @property
     def objects(self) -> tuple[Points | None, ...]:
@@ -88,13 +93,21 @@ def segment(scan: DepthScan, layout: BeltLayout, config: PerceptionConfig | None
     -----
     UnitWarning
         If the distances of points or camera are implausible in metres.
+    PoseWarning
+        If the scan does not show the belt where its pose says; the candidates are then of wrong places.
     """
     view = View.of(scan, layout, config or PerceptionConfig())
+    if view.pose_fault is not None:
+        warnings.warn(
+            f"the belt is not where the scan's pose says; likely: {view.pose_fault}",
+            PoseWarning,
+            stacklevel=2,
+        )
     positions = range(layout.positions)
     candidates = [view.candidate(position) for position in positions]
     findings = tuple(view.finding(position, candidates[position]) for position in positions)
     found = tuple(None if len(points) == 0 else points for points in candidates)
-    return Segmented(found, findings, view.world_from_camera[:3, 3].copy())
+    return Segmented(found, findings, view.world_from_camera[:3, 3].copy(), view.pose_fault)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +120,8 @@ class View:
         The outermost pixels of an organised image, shape (m, 3), camera frame, metres.
     points
         All points, shape (n, 3), camera frame, metres.
+    reported
+        The camera's pose as it was reported, shape (4, 4).
     world_from_camera
         The camera's pose, corrected with the plane of the visible belt, shape (4, 4).
     layout, config
@@ -115,6 +130,7 @@ class View:
 
     border: Points
     points: Points
+    reported: Pose
     world_from_camera: Pose
     layout: BeltLayout
     config: PerceptionConfig
@@ -125,8 +141,8 @@ class View:
         image = _checked(scan)
         points = image.reshape(-1, 3)
         points = points[:: 1 + len(points) // MOST_POINTS]
-        pose = levelled(points, scan.world_from_camera)
-        return cls(image_border(image), points, pose, layout, config)
+        reported = np.asarray(scan.world_from_camera, dtype=np.float64)
+        return cls(image_border(image), points, reported, levelled(points, reported), layout, config)
 
     @property
     def base(self) -> float:
@@ -142,6 +158,11 @@ class View:
                 f"none of {len(height)} points in the scan is finite, expected the belt's: check the camera"
             )
         return height
+
+    @cached_property
+    def pose_fault(self) -> PoseFault | None:
+        """What is likely wrong with the reported pose; None if the belt is where it says."""
+        return pose_fault(self.points, self.height, self.reported, self.world_from_camera, self.layout)
 
     @cached_property
     def above(self) -> Points:

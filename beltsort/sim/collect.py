@@ -18,7 +18,7 @@ from beltsort.sim import CellConfig
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.sim.rounds import TABLE_STREAM, TRAINING_STREAM, Round, Scenes, passages_of, rounds_of
 from beltsort.tables.counts import Counts, count
-from beltsort.tables.log import LabelLog, Labels, label_missing
+from beltsort.tables.log import LabelLog, PositionLabel, PositionLabels, label_missing
 from beltsort.tables.matches import MatchedScan, Matches, MatchLog, Seen
 from beltsort.tables.scans import LabelledScan, looks
 from beltsort.util.keyed_log import KeyedLog
@@ -177,8 +177,16 @@ def collect_scans(
     scenes = table_scenes(config, objects=objects, seed=seed, passages=passages)
     log = log or LabelLog()
     _perceive(partial(_labelled, config, database), config, scenes, log, workers, progress)
-    known = log.labels()
-    return [LabelledScan(*where, known[name]) for name, where in _scans_of(scenes, config)]
+    known = log.positions()
+    return [
+        LabelledScan(
+            *where,
+            tuple(position.label for position in known[name]),
+            tuple(position.finding for position in known[name]),
+            known[name][0].pose_fault,
+        )
+        for name, where in _scans_of(scenes, config)
+    ]
 
 
 def collect_matches(
@@ -216,12 +224,10 @@ def _perceive(
     label_missing(task, scenes, lambda work: work.scan_names(config, SCANS), log, workers, progress)
 
 
-def _labelled(config: CellConfig, database: Classifier, work: Scenes) -> Labels:
-    """Return the labels of all scans by the scan's name, `SCANS` of each scene."""
-    return {
-        name: tuple(seen.label for seen in perceived)
-        for name, perceived in _perceived(config, database, work)
-    }
+def _labelled(config: CellConfig, database: Classifier, work: Scenes) -> PositionLabels:
+    """Return what is kept of all scans by the scan's name, `SCANS` of each scene."""
+    perceived = _perceived(config, database, work)
+    return {name: tuple(map(PositionLabel.of, positions)) for name, positions in perceived}
 
 
 def _matched(config: CellConfig, database: Classifier, work: Scenes) -> Matches:

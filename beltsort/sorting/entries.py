@@ -180,6 +180,8 @@ class Scanned(Content):
     last_labels: list[list[int]]
     kinds: list[list[float]] | None = None
     """The belief over kinds, shape (H, N); None if every class has one mode."""
+    pose_fault: str | None = None
+    """What is likely wrong with the scan's pose; None if the belt is where it says."""
 
 
 @dataclass(frozen=True)
@@ -288,6 +290,8 @@ class Snapshot(Content):
     """`Progress.known_outcome`."""
     visible: list[Seen]
     drift: dict[str, Any] | None = None
+    pose_faults: dict[str, int] | None = None
+    """`Progress.pose_faults`; None if there are none."""
 
 
 @dataclass(frozen=True)

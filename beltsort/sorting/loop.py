@@ -215,6 +215,7 @@ class _Loop:
             tuple(progress.skipped),
             progress.drift.alarms,
             tuple(progress.passed),
+            dict(progress.pose_faults),
         )
 
     def step(self) -> None:

@@ -9,7 +9,7 @@ from beltsort.errors import CloudError
 from beltsort.sorting.entries import ScanElsewhere, Scanned, ScanUnusable
 from beltsort.sorting.entry_format import plain_belief
 from beltsort.sorting.holds import HeldError, Hold
-from beltsort.sorting.perceived import LabelNumbers, Perceive, PerceivedPosition
+from beltsort.sorting.perceived import LabelNumbers, Perceive, PerceivedPosition, pose_fault_of
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.rules import Rules
@@ -115,6 +115,7 @@ class Observer:
                 empty=[seen.empty for seen in perceived],
                 findings=[seen.finding for seen in perceived],
                 dropped=dropped,
+                pose_fault=pose_fault_of(perceived),
                 **plain_belief(belief),
             )
         )

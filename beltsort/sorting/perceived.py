@@ -42,6 +42,23 @@ class NamesLabels(Protocol):
         """Names of the labels; `PerceivedPosition.label` is an index into them."""
 
 
+@runtime_checkable
+class TellsPoseFault(Protocol):
+    """A perceived position that tells whether the pose of its scan can be right."""
+
+    @property
+    def pose_fault(self) -> object | None:
+        """What is likely wrong with the pose of the whole scan, as text; None if nothing is."""
+
+
+def pose_fault_of(perceived: Sequence[PerceivedPosition]) -> str | None:
+    """Return what is likely wrong with the pose of a scan; None if nothing, or it is not told."""
+    for seen in perceived:
+        if isinstance(seen, TellsPoseFault) and seen.pose_fault is not None:
+            return str(seen.pose_fault)
+    return None
+
+
 class LabelNumbers:
     """From the labels of a perception to those of a model, by name.
 

@@ -114,6 +114,9 @@ class Progress:
         What is known about each visible object besides the belief.
     drift
         State of drift detection.
+    pose_faults
+        Number of scans by what is likely wrong with their pose; scans that show the belt where it should be
+        are left out.
     decisions, skipped, passed
         The decisions, and the numbers of the objects that were skipped or passed the belt end unsorted.
     """
@@ -138,6 +141,7 @@ class Progress:
     bin: int | None = None
     visible: list[Seen] = field(default_factory=list)
     drift: DriftState = field(default_factory=DriftState)
+    pose_faults: dict[str, int] = field(default_factory=dict)
     decisions: list[Decision] = field(default_factory=list)
     skipped: list[int] = field(default_factory=list)
     passed: list[int] = field(default_factory=list)
@@ -287,6 +291,8 @@ class Progress:
     def _scan(self, scan: Scanned) -> None:
         self.scans, self.missed_arrivals = self.scans + 1, 0
         self.drift.see(self.belief, scan.viewpoint, scan.labels)
+        if scan.pose_fault is not None:
+            self.pose_faults[scan.pose_fault] = self.pose_faults.get(scan.pose_fault, 0) + 1
         self.belief = Belief(self.model, scan.kinds or scan.belief, scan.last_labels, self.remaining)
         dropped = {drop["position"] for drop in scan.dropped}
         for position, (seen, label) in enumerate(zip(self.visible, scan.labels, strict=True)):
@@ -316,6 +322,7 @@ class Progress:
             **plain_belief(self.belief),
             visible=[replace(seen) for seen in self.visible],
             drift=self.drift.snapshot(),
+            pose_faults=dict(self.pose_faults) or None,
         )
 
     def _restore(self, snapshot: Snapshot) -> None:
@@ -329,6 +336,7 @@ class Progress:
         )
         self.visible = [replace(seen) for seen in snapshot.visible]
         self.passed = list(snapshot.passed)
+        self.pose_faults = dict(snapshot.pose_faults or {})
         if snapshot.drift is not None:
             self.drift = DriftState.of_snapshot(self.model, snapshot.drift)
 

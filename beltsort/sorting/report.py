@@ -1,8 +1,8 @@
 """The report of a run."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,6 +59,8 @@ class SortingReport:
         Alarms of drift detection.
     passed
         Numbers of the objects that passed the belt end unsorted, according to the operator.
+    pose_faults
+        Number of scans by what is likely wrong with their pose, if anything.
     """
 
     steps: int
@@ -66,6 +68,7 @@ class SortingReport:
     skipped: tuple[int, ...]
     drift: "tuple[Alarm, ...]" = ()
     passed: tuple[int, ...] = ()
+    pose_faults: Mapping[str, int] = field(default_factory=dict)
 
     def counts(self, bins: Sequence[str]) -> dict[str, int]:
         """Return the number of objects in each of the model's bins that has any, `REJECTED` last.

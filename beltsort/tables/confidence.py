@@ -75,7 +75,7 @@ def fit_levels(
         matches, true = leave_one_out(classifier), classifier.labels.tolist()
     else:
         seen = [pair for scan in scans for pair in zip(scan.seen, scan.true, strict=True)]
-        known = [(match, c) for (match, _), c in seen if match is not None and c is not None]
+        known = [(each.match, c) for each, c in seen if each.match is not None and c is not None]
         matches, true = [match for match, _ in known], [c for _, c in known]
     with_distances = all(match.distances is not None for match in matches)
     score: Score = "margin" if with_distances else "probability"

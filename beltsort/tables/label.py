@@ -1,15 +1,26 @@
 """Classify recorded scans."""
 
 import hashlib
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from beltsort.cell.protocols import Scan
 from beltsort.errors import CloudError, DatabaseError, RecordingError
-from beltsort.perception import Classifier, Perceived, Perception, PerceptionConfig, read_cloud
-from beltsort.tables.log import LabelLog, Labels, label_missing
+from beltsort.perception import (
+    Classifier,
+    Perceived,
+    Perception,
+    PerceptionConfig,
+    PoseFault,
+    PoseWarning,
+    read_cloud,
+)
+from beltsort.perception.checks import counted_warnings
+from beltsort.tables.findings import fault_texts, faults_of
+from beltsort.tables.log import LabelLog, PositionLabel, PositionLabels, label_missing
 from beltsort.tables.matches import MatchedScan, Matches, MatchLog, Seen
 from beltsort.tables.recording import MANIFEST, RecordedScan, Recording
 from beltsort.tables.scans import LabelledScan
@@ -53,17 +64,31 @@ def label_recording(
         If a cloud is listed under two names, or the log cannot be written.
     CloudError
         If a cloud cannot be read or perceived; what was labelled before is in the log.
+
+    Warns
+    -----
+    PoseWarning
+        Once for each likely fault of the poses of some scans.
     """
     log = log or LabelLog()
     perception = Perception(recording.header.layout, classifier, config)
     keys = _perceive(
         recording, perception, partial(_labels, recording.folder, perception), log, workers, progress
     )
-    known = log.labels()
-    return [
-        LabelledScan(scan.viewpoint, scan.true, scan.objects, known[key])
+    known = log.positions()
+    scans = [
+        LabelledScan(
+            scan.viewpoint,
+            scan.true,
+            scan.objects,
+            tuple(position.label for position in known[key]),
+            tuple(position.finding for position in known[key]),
+            known[key][0].pose_fault,
+        )
         for key, scan in zip(keys, recording.scans, strict=True)
     ]
+    _warn([scan.pose_fault for scan in scans])
+    return scans
 
 
 def match_recording(
@@ -77,7 +102,7 @@ def match_recording(
 ) -> list[MatchedScan]:
     """Classify the scans of a recording, and keep all that the classifier returns.
 
-    Parameters and raises as `label_recording`.
+    Parameters, raises and warns as `label_recording`.
     """
     log = log or MatchLog()
     perception = Perception(recording.header.layout, classifier, config)
@@ -85,6 +110,7 @@ def match_recording(
         recording, perception, partial(_matches, recording.folder, perception), log, workers, progress
     )
     known = log.matches()
+    _warn([known[key][0].pose_fault for key in keys])
     return [
         MatchedScan(scan.viewpoint, scan.true, scan.objects, known[key])
         for key, scan in zip(keys, recording.scans, strict=True)
@@ -119,15 +145,21 @@ def _perceive(
     return keys
 
 
+def _warn(faults: Sequence[PoseFault | None]) -> None:
+    """Warn once for each kind of fault; there is one fault or None for each scan."""
+    for text in fault_texts(faults_of(faults), len(faults)):
+        warnings.warn(text, PoseWarning, stacklevel=3)
+
+
 def _key(folder: Path, scan: RecordedScan) -> str:
     """Return a hash of everything that the labels of a scan depend on."""
     content = (folder / scan.file).read_bytes()
     return hashlib.sha256(content + scan.world_from_camera.tobytes()).hexdigest()
 
 
-def _labels(folder: Path, perception: Perception, piece: Piece) -> Labels:
-    """Return the labels of one scan."""
-    return {piece[0]: tuple(position.label for position in _perceived(folder, perception, piece[1]))}
+def _labels(folder: Path, perception: Perception, piece: Piece) -> PositionLabels:
+    """Return the labels of one scan, and what was found."""
+    return {piece[0]: tuple(map(PositionLabel.of, _perceived(folder, perception, piece[1])))}
 
 
 def _matches(folder: Path, perception: Perception, piece: Piece) -> Matches:
@@ -138,6 +170,7 @@ def _matches(folder: Path, perception: Perception, piece: Piece) -> Matches:
 def _perceived(folder: Path, perception: Perception, recorded: RecordedScan) -> list[Perceived]:
     points = read_cloud(folder / recorded.file)
     try:
-        return perception(Scan(points, recorded.world_from_camera, stamp=0.0))
+        with counted_warnings():
+            return perception(Scan(points, recorded.world_from_camera, stamp=0.0))
     except CloudError as reason:
         raise CloudError(f"{folder / recorded.file}: {reason}") from reason

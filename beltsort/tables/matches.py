@@ -11,6 +11,8 @@ from beltsort.perception.classifier import Match, Scores
 from beltsort.perception.finding import Finding
 from beltsort.perception.label_rule import LabelRule
 from beltsort.perception.pipeline import Perceived
+from beltsort.perception.pose_fault import PoseFault
+from beltsort.tables.log import fault_in, plain_fault
 from beltsort.tables.scans import LabelledScan
 from beltsort.util.keyed_log import KeyedLog
 
@@ -24,15 +26,18 @@ class Seen(NamedTuple):
         What the classifier returned, or None.
     finding
         What was found.
+    pose_fault
+        What is likely wrong with the scan's pose, or None.
     """
 
     match: Match | None
     finding: Finding = Finding.OBJECT
+    pose_fault: PoseFault | None = None
 
     @classmethod
     def of(cls, perceived: Perceived) -> "Seen":
         """Return what is kept of a perceived position."""
-        return cls(perceived.match, perceived.finding)
+        return cls(perceived.match, perceived.finding, perceived.pose_fault)
 
 
 Matches: TypeAlias = dict[str, tuple[Seen, ...]]
@@ -64,8 +69,14 @@ class MatchedScan:
         DatabaseError
             If the rule does not fit the classifier, see `LabelRule.label`.
         """
-        labels = tuple(rule.label(match, finding) for match, finding in self.seen)
-        return LabelledScan(self.viewpoint, self.true, self.objects, labels)
+        return LabelledScan(
+            self.viewpoint,
+            self.true,
+            self.objects,
+            tuple(rule.label(seen.match, seen.finding) for seen in self.seen),
+            tuple(seen.finding for seen in self.seen),
+            self.seen[0].pose_fault if self.seen else None,
+        )
 
 
 class MatchLog(KeyedLog):
@@ -83,7 +94,7 @@ class MatchLog(KeyedLog):
     >>> log.append({"scan 7": (Seen(match), Seen(None, Finding.EMPTY))})
     >>> first, second = log.matches()["scan 7"]
     >>> first.match.label, first.match.distances.tolist(), second
-    (1, [inf, 0.5], Seen(match=None, finding=<Finding.EMPTY: 'empty'>))
+    (1, [inf, 0.5], Seen(match=None, finding=<Finding.EMPTY: 'empty'>, pose_fault=None))
     """
 
     table, contents = "scans", "matches"
@@ -100,11 +111,12 @@ class MatchLog(KeyedLog):
 
 def _plain(seen: Seen) -> dict[str, Any]:
     match = seen.match
+    found = {"finding": seen.finding, **plain_fault(seen.pose_fault)}
     if match is None:
-        return {"finding": seen.finding}
+        return found
     arrays = {"scores": match.scores, "distances": match.distances, "probabilities": match.probabilities}
     return {
-        "finding": seen.finding,
+        **found,
         "label": match.label,
         **{name: _numbers(array) for name, array in arrays.items() if array is not None},
     }
@@ -116,11 +128,11 @@ def _numbers(array: Scores) -> list[float | None]:
 
 
 def _seen(plain: Mapping[str, Any]) -> Seen:
-    finding = Finding(plain["finding"])
+    finding, fault = Finding(plain["finding"]), fault_in(plain)
     if "scores" not in plain:
-        return Seen(None, finding)
+        return Seen(None, finding, fault)
     others = {name: _array(plain[name]) for name in ("distances", "probabilities") if name in plain}
-    return Seen(Match(plain["label"], _array(plain["scores"]), **others), finding)
+    return Seen(Match(plain["label"], _array(plain["scores"]), **others), finding, fault)
 
 
 def _array(numbers: Sequence[float | None]) -> Scores:

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from beltsort.perception.finding import Finding
+from beltsort.perception.pose_fault import PoseFault
 from beltsort.tables.counts import Look
 
 
@@ -21,12 +23,18 @@ class LabelledScan:
         taken out and put back is another one: another pose, another name.
     observed
         Label at each position, or None.
+    findings
+        What was found at each position; empty if it was not kept.
+    pose_fault
+        What is likely wrong with the scan's pose, or None.
     """
 
     viewpoint: int
     true: tuple[int | None, ...]
     objects: tuple[str | None, ...]
     observed: tuple[int | None, ...]
+    findings: tuple[Finding | None, ...] = ()
+    pose_fault: PoseFault | None = None
 
 
 def looks(scans: Iterable[LabelledScan]) -> Iterator[Look]:

@@ -1,12 +1,14 @@
 """The check of a cell against its limits."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from beltsort.cell import CommandError, Outcome
+from beltsort.cell import CommandError, Health, Outcome, Scan
 from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile.check import check_cell
 from beltsort.cellfile.sections import CheckLimits
@@ -24,6 +26,8 @@ def test_the_example_is_within_its_limits(tmp_path: Path) -> None:
     found = check_cell(composed(tmp_path, record=calls.append), described(tmp_path).check)
     assert found.exceeded == []
     assert [view.viewpoint for view in found.views] == ["p1", "p2", "p3"]
+    assert all(view.pose_fault is None for view in found.views)
+    assert {len(view.findings) for view in found.views} == {2}
     assert list(found.health) == ["arm", "camera", "belt", "sorter"]
     names = [recorded.call.name for recorded in calls]
     assert (names.count("move_to"), names.count("scan"), names.count("sort")) == (3, 3, 0)
@@ -44,6 +48,26 @@ def test_each_limit_is_kept(tmp_path: Path, limits: dict[str, Any], said: str) -
     found = check_cell(composed(tmp_path), lenient.model_copy(update=limits))
     assert found.exceeded
     assert any(re.match(said, line) for line in found.exceeded), found.exceeded
+
+
+def test_a_camera_whose_pose_is_wrong_is_told_with_the_cause(tmp_path: Path) -> None:
+    cell = composed(tmp_path)
+    camera = cell.camera
+
+    class Inverted:
+        def scan(self, *, not_before: float, timeout: float = 1.0) -> Scan:
+            scan = camera.scan(not_before=not_before)
+            pose = np.asarray(np.linalg.inv(scan.world_from_camera))
+            return replace(scan, world_from_camera=pose)
+
+        def health(self) -> Health:
+            return camera.health()
+
+        def stop(self) -> None:
+            camera.stop()
+
+    found = check_cell(replace(cell, camera=Inverted()), described(tmp_path).check)
+    assert [line.split(":")[0] for line in found.exceeded if "inverted" in line] == ["p1", "p2", "p3"]
 
 
 def test_the_first_failure_ends_the_visits(tmp_path: Path) -> None:

@@ -26,6 +26,24 @@ def test_a_scan_tells_labels_and_findings() -> None:
     assert "hidden | several objects  ->" in told([None, None], [Finding.HIDDEN, Finding.SEVERAL])
 
 
+def test_a_fault_of_the_pose_is_told_once_a_kind() -> None:
+    model, formatter = paper(), EntryFormatter()
+    formatter.format(Entry(1, "", None, Started(run="a", objects=2, model=model.to_json())))
+    belief = [model.arrival.tolist()] * 2
+
+    def told(fault: str | None) -> str:
+        findings = [Finding.HIDDEN, Finding.HIDDEN]
+        scan = Scanned(
+            0, [None, None], [False, False], [*findings], [], belief, [[-1] * 3] * 2, pose_fault=fault
+        )
+        return formatter.format(Entry(2, "", 0, scan)) or ""
+
+    assert "warning" not in told(None)
+    assert "warning" in told("the pose is inverted")
+    assert "warning" not in told("the pose is inverted")
+    assert "in millimetres" in told("the pose is in millimetres")
+
+
 def test_a_sort_tells_the_bin_by_name_and_number() -> None:
     formatter, sort = EntryFormatter(), Command("a-sort-1", SortInto(1), "boot")
     line = formatter.format(Entry(1, "", 7, Intended(sort, "livarno", 3)))
