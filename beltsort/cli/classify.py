@@ -1,6 +1,7 @@
 """`beltsort classify`: label point clouds."""
 
 from argparse import Namespace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,9 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "classify",
         help="label clouds with a trained classifier",
-        description="Label point clouds, each of a single object (.pcd, .ply, .xyz, .npy; metres).",
+        description="Label point clouds, each of a single object (.pcd, .ply, .xyz, .npy; metres). A cloud "
+        "that is farther from every training cloud than these are from each other is marked: it may be of "
+        "another object, of several, or of a whole scene.",
     )
     parser.add_argument("database", metavar="DB", help="a classifier that `beltsort train` wrote")
     parser.add_argument("clouds", metavar="CLOUD", nargs="+", type=Path, help="a point cloud file")
@@ -37,13 +40,13 @@ def run(arguments: Namespace) -> int:
     database = NearestNeighbour.load(arguments.database)
     camera = np.array(arguments.viewpoint or ORIGIN)
     results = [
-        {"cloud": str(cloud), **_as_json(_match(database, cloud, camera), database.classes)}
+        {"cloud": str(cloud), **_as_json(_match(database, cloud, camera), database)}
         for cloud in arguments.clouds
     ]
     if arguments.json:
         print_json({"command_line": arguments.command_line, "clouds": results})
     else:
-        print_table([["cloud", "label", "distance", "runner-up", "distance"], *map(_row, results)])
+        print_table(table(results))
     return 0
 
 
@@ -54,7 +57,8 @@ def _match(database: NearestNeighbour, cloud: Path, camera: Points) -> Match:
         raise CloudError(f"{cloud}: {reason}") from reason
 
 
-def _as_json(match: Match, classes: tuple[str, ...]) -> dict[str, Any]:
+def _as_json(match: Match, database: NearestNeighbour) -> dict[str, Any]:
+    classes = database.classes
     best, *others = (classes[label] for label in match.ranking)
     measured = zip(DISTANCES, (match.distance, match.runner_up), strict=True)
     return {
@@ -62,11 +66,27 @@ def _as_json(match: Match, classes: tuple[str, ...]) -> dict[str, Any]:
         "nearest": best,
         "runner_up": others[0] if others else None,
         **{name: None if value is None else number_or_none(value) for name, value in measured},
+        "training_distance": database.training_distance,
+        "beyond_training": database.beyond_training(match),
         "scores": dict(zip(classes, match.scores.tolist(), strict=True)),
     }
+
+
+def table(results: Sequence[dict[str, Any]]) -> list[list[str]]:
+    """Return a row for each cloud, with a column of notes if there is one."""
+    rows = [["cloud", "label", "distance", "runner-up", "distance"], *map(_row, results)]
+    notes = ["note", *map(_note, results)]
+    return [[*row, note] for row, note in zip(rows, notes, strict=True)] if any(notes[1:]) else rows
 
 
 def _row(result: dict[str, Any]) -> list[str]:
     label = result["label"] or f"none (nearest: {result['nearest']})"
     distances = ["-" if result[name] is None else f"{result[name]:.4g}" for name in DISTANCES]
     return [result["cloud"], label, distances[0], result["runner_up"] or "-", distances[1]]
+
+
+def _note(result: dict[str, Any]) -> str:
+    """Return a remark on a cloud that is unlike all training clouds; empty for others."""
+    if not result["beyond_training"]:
+        return ""
+    return f"beyond the training distance: {result['distance']:.4g} > {result['training_distance']:.4g}"

@@ -81,6 +81,11 @@ def rejection_threshold(
 def with_rejection(
     database: NearestNeighbour, left_out: list[Match], reject: float | None
 ) -> tuple[NearestNeighbour, list[Match]]:
-    """Return the same database with a rejection threshold, and the leave-one-out classifications with it."""
+    """Return the same database with a rejection threshold, and the leave-one-out classifications with it.
+
+    The database also keeps the distance that `rejection_threshold` suggests.
+    """
     labelled = [replace(match, label=match.ranking[0]) for match in left_out]
-    return replace(database, reject=reject), [match.within(reject) for match in labelled]
+    suggested = rejection_threshold(database, left_out)
+    kept = replace(database, reject=reject, training_distance=suggested)
+    return kept, [match.within(reject) for match in labelled]

@@ -42,6 +42,9 @@ class NearestNeighbour:
     reject
         A candidate gets no label if every entry of the winning class is farther away than this; None: it
         always gets one. `rejection_threshold` finds a value.
+    training_distance
+        A distance to the nearest entry of its own class that hardly an entry exceeds, `rejection_threshold`;
+        None if it was not computed. A candidate farther away is unlike all that was trained on.
 
     References
     ----------
@@ -63,6 +66,7 @@ class NearestNeighbour:
     distance: str = "chi2"
     k: int = 1
     reject: float | None = None
+    training_distance: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse arrays, classes and settings that do not fit together."""
@@ -102,10 +106,12 @@ class NearestNeighbour:
                 f"k is {self.k!r}, expected an integer from 1 to {self.labels.size}, the number of entries: "
                 "ask fewer neighbours"
             )
-        if self.reject is not None and not 0.0 < self.reject < np.inf:
-            raise DatabaseError(
-                f"reject is {self.reject}, expected a finite distance above 0, or None to label everything"
-            )
+        for name, without in (("reject", "to label everything"), ("training_distance", "if it is not known")):
+            distance = getattr(self, name)
+            if distance is not None and not 0.0 < distance < np.inf:
+                raise DatabaseError(
+                    f"{name} is {distance}, expected a finite distance above 0, or None {without}"
+                )
 
     @classmethod
     def train(
@@ -118,6 +124,7 @@ class NearestNeighbour:
         distance: str = "chi2",
         k: int = 1,
         reject: float | None = None,
+        training_distance: float | None = None,
     ) -> "NearestNeighbour":
         """Build a database.
 
@@ -131,7 +138,7 @@ class NearestNeighbour:
             Names of the classes.
         config
             The configuration that the descriptors were computed with; default `PerceptionConfig()`.
-        distance, k, reject
+        distance, k, reject, training_distance
             As the attributes.
 
         Raises
@@ -145,7 +152,9 @@ class NearestNeighbour:
         if index.size and index.dtype.kind not in "iu":
             raise DatabaseError(f"labels are {index.dtype}, expected integers: give class indices, not names")
         settings = config or PerceptionConfig()
-        return cls(rows, index.astype(np.int64), tuple(classes), settings, distance, k, reject)
+        return cls(
+            rows, index.astype(np.int64), tuple(classes), settings, distance, k, reject, training_distance
+        )
 
     def classify(self, points: Points, camera: Points) -> Match:
         """Describe a candidate with the database's own configuration and match it.
@@ -163,6 +172,12 @@ class NearestNeighbour:
             If no descriptor can be computed, see `describe`.
         """
         return self.match(describe(points, camera, self.config))
+
+    def beyond_training(self, match: Match) -> bool:
+        """Whether a match is farther than `training_distance`; False if that or the distance is not known."""
+        if self.training_distance is None or match.distance is None:
+            return False
+        return match.distance > self.training_distance
 
     def match(self, descriptor: ArrayLike) -> Match:
         """Return the answer for `descriptor`, shape (308,); the first of equally near entries comes first.
@@ -222,7 +237,7 @@ class NearestNeighbour:
             ) from reason
 
 
-SETTINGS = ("distance", "k", "reject")
+SETTINGS = ("distance", "k", "reject", "training_distance")
 
 
 def _checked(descriptor: ArrayLike) -> Histogram:

@@ -111,7 +111,7 @@ class FindingCounts:
         """Return the counts as plain data."""
         return {
             "viewpoints": {
-                name: {what: n for what, n in self._totals(k).items() if n}
+                name: {str(what): n for what, n in self._totals(k).items() if n}
                 for k, name in enumerate(self.viewpoints)
             },
             "pose_faults": [{"likely": str(fault), "scans": n} for fault, n in self.faults.items()],

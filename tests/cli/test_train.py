@@ -90,6 +90,25 @@ def test_classify_in_words(folder: Path, database: str, tmp_path: Path, unknown:
     assert "none (nearest: " in text.splitlines()[2]
 
 
+def test_a_scene_is_marked_as_beyond_the_training_distance(
+    folder: Path, tmp_path: Path, unknown: str
+) -> None:
+    trained = str(tmp_path / "shapes.npz")
+    assert main(["train", str(folder), "-o", trained]) == 0
+    scene = str(tmp_path / "scene.npy")
+    np.save(scene, np.vstack([cloud("round", 1), np.add(cloud("long", 1), (0.15, 0.0, 0.0))]))
+    known = str(folder / "long" / "0.npy")
+    limit = NearestNeighbour.load(trained).training_distance
+    answers = json_of("classify", trained, known, unknown, scene)["clouds"]
+    assert [answer["beyond_training"] for answer in answers] == [False, True, True]
+    assert all(answer["label"] is not None for answer in answers)
+    assert {answer["training_distance"] for answer in answers} == {limit}
+    lines = output("classify", trained, known, unknown, scene).splitlines()
+    note = f"beyond the training distance: {answers[2]['distance']:.4g} > {limit:.4g}"
+    assert [note in line for line in lines] == [False, False, False, True]
+    assert "note" not in output("classify", trained, known)
+
+
 def test_where_the_camera_stood_counts(folder: Path, database: str) -> None:
     known = str(folder / "long" / "0.npy")
     (elsewhere,) = json_of("classify", database, known, "--viewpoint=-1,0,0")["clouds"]

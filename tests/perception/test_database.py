@@ -21,13 +21,14 @@ from .databases import database
 
 
 def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
-    saved = database(distance="l2", k=3, reject=2.5)
+    saved = database(distance="l2", k=3, reject=2.5, training_distance=1.5)
     saved.save(tmp_path / "bulbs.npz")
     loaded = NearestNeighbour.load(tmp_path / "bulbs.npz")
     assert np.array_equal(loaded.descriptors, saved.descriptors)
     assert np.array_equal(loaded.labels, saved.labels)
     assert (loaded.classes, loaded.config) == (saved.classes, saved.config)
     assert (loaded.distance, loaded.k, loaded.reject) == ("l2", 3, 2.5)
+    assert loaded.training_distance == 1.5
 
 
 def changed_header(path: Path, **changes: object) -> None:
@@ -45,6 +46,25 @@ def test_version_1_is_read_with_the_settings_that_it_had(tmp_path: Path) -> None
     loaded = NearestNeighbour.load(path)
     assert (loaded.distance, loaded.k, loaded.reject) == ("chi2", 1, None)
     assert np.array_equal(loaded.descriptors, database().descriptors)
+
+
+def test_a_file_without_a_training_distance_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "old.npz"
+    database(training_distance=1.5).save(path)
+    changed_header(path, training_distance=...)
+    loaded = NearestNeighbour.load(path)
+    assert loaded.training_distance is None
+    assert not loaded.beyond_training(loaded.match(np.full(308, 50.0)))
+
+
+def test_what_is_unlike_all_entries_is_beyond_the_training_distance() -> None:
+    trained = database(training_distance=1e-3)
+    assert not trained.beyond_training(trained.match(trained.descriptors[0]))
+    far = trained.match(np.full(308, 50.0))
+    assert far.label is not None
+    assert trained.beyond_training(far)
+    with pytest.raises(DatabaseError, match="training_distance"):
+        database(training_distance=-1.0)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.99])
