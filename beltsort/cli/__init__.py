@@ -37,6 +37,7 @@ from beltsort.cli import (
     train,
     viewpoints,
 )
+from beltsort.cli.output import warnings_on_lines
 from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.sorting.interrupts import Interrupted
 
@@ -81,7 +82,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = parser().parse_args(given)
     arguments.command_line = shlex.join(["beltsort", *given])
     try:
-        code: int = arguments.run(arguments)
+        with warnings_on_lines():
+            code: int = arguments.run(arguments)
     except CellFileError as error:  # one line for each problem
         print(f"beltsort: error: {arguments.cell} is not a valid cell file:\n{error}", file=sys.stderr)
         return exit_codes.WRONG

@@ -6,17 +6,20 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace, _SubParsersAc
 from inspect import signature
 from math import isfinite
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
 
 from beltsort import ArgumentError, Solution, SortingModel
 from beltsort._core import DEFAULT_BATCH_SIZE, DEFAULT_BATCHES
+from beltsort.errors import CloudError
 from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.util.naming import index_of, nearest_of, split_names
 
-Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
+if TYPE_CHECKING:
+    from beltsort.perception.cameras import CameraPositions
 
-ORIGIN = (0.0, 0.0, 0.0)
-"""Default of `--viewpoint` for clouds: the origin of their frame, metres."""
+Subparsers: TypeAlias = "_SubParsersAction[ArgumentParser]"
 
 
 def add_json(parser: ArgumentParser) -> None:
@@ -152,11 +155,24 @@ def add_camera_position(parser: ArgumentParser) -> None:
     """Add `--viewpoint`, the position of the camera that recorded point clouds."""
     parser.add_argument(
         "--viewpoint",
-        type=position,
-        metavar="X,Y,Z",
-        help="position of the camera in the frame of every cloud, metres (default: the frame's origin; the "
-        "VIEWPOINT of a PCD file is not used). If X is negative, write --viewpoint=X,Y,Z",
+        type=camera_positions,
+        metavar="X,Y,Z|FILE",
+        help="position of the camera in the frame of every cloud, metres, or a text file with a line "
+        "PATH,X,Y,Z for each cloud (default: the VIEWPOINT of a PCD file, otherwise the origin). If X "
+        "is negative, write --viewpoint=X,Y,Z",
     )
+
+
+def camera_positions(text: str) -> "CameraPositions":
+    """Parse the camera's position, or read a file of positions."""
+    from beltsort.perception.cameras import CameraPositions, read_camera_positions
+
+    if Path(text).is_file():
+        try:
+            return read_camera_positions(text)
+        except CloudError as reason:
+            raise ArgumentTypeError(str(reason)) from reason
+    return CameraPositions(np.array(position(text)))
 
 
 def position(text: str) -> tuple[float, ...]:
@@ -166,7 +182,7 @@ def position(text: str) -> tuple[float, ...]:
     except ValueError:
         numbers = ()
     if len(numbers) != 3 or not all(map(isfinite, numbers)):
-        raise ArgumentTypeError(f"{text!r}: expected three finite numbers X,Y,Z, such as 0,0,0.7")
+        raise ArgumentTypeError(f"{text!r}: expected three finite numbers X,Y,Z, such as 0,0,0.7, or a file")
     return numbers
 
 

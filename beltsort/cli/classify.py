@@ -5,15 +5,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from beltsort.cli.arguments import ORIGIN, Subparsers, add_camera_position, add_json
-from beltsort.cli.output import print_json, print_table
+from beltsort.cli.arguments import Subparsers, add_camera_position, add_json
+from beltsort.cli.exit_codes import DONE, EXCEEDED
+from beltsort.cli.output import print_json, print_status, print_table
 from beltsort.errors import CloudError
-from beltsort.geometry import Points
+from beltsort.perception.cameras import CameraPositions
 from beltsort.perception.classifier import Match
 from beltsort.perception.nearest import NearestNeighbour
-from beltsort.perception.training import read_candidate
+from beltsort.perception.training import camera_positions, read_view
 from beltsort.util.text import number_or_none
 
 DISTANCES = ("distance", "runner_up_distance")
@@ -24,9 +23,11 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "classify",
         help="label clouds with a trained classifier",
-        description="Label point clouds, each of a single object (.pcd, .ply, .xyz, .npy; metres). A cloud "
-        "that is farther from every training cloud than these are from each other is marked: it may be of "
-        "another object, of several, or of a whole scene.",
+        description="Label point clouds, each of a single object; metres. Formats: .pcd, .ply, text (.xyz, "
+        ".txt, .csv, .asc, .pts), .npy, and 16-bit depth images (.png) beside their intrinsics (see "
+        "docs/files.md). Clouds that cannot be labelled are named on standard error, and the exit code is 1. A "
+        "cloud that is farther from every training cloud than these are from each other is marked: it may be "
+        "of another object, of several, or of a whole scene.",
     )
     parser.add_argument("database", metavar="DB", help="a classifier that `beltsort train` wrote")
     parser.add_argument("clouds", metavar="CLOUD", nargs="+", type=Path, help="a point cloud file")
@@ -36,25 +37,35 @@ def add_parser(subparsers: Subparsers) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Label and print."""
+    """Label and print; a cloud that cannot be labelled keeps none of the others from it."""
     database = NearestNeighbour.load(arguments.database)
-    camera = np.array(arguments.viewpoint or ORIGIN)
-    results = [
-        {"cloud": str(cloud), **_as_json(_match(database, cloud, camera), database)}
-        for cloud in arguments.clouds
-    ]
+    positions = camera_positions(arguments.viewpoint)
+    results, failed = [], []
+    for cloud in arguments.clouds:
+        try:
+            match = _match(database, cloud, positions)
+        except CloudError as reason:
+            failed.append({"cloud": str(cloud), "reason": str(reason)})
+        else:
+            results.append({"cloud": str(cloud), **_as_json(match, database)})
+    if not results:
+        raise CloudError("; ".join(failure["reason"] for failure in failed))
+    for failure in failed:
+        print_status(f"not labelled: {failure['reason']}")
     if arguments.json:
-        print_json({"command_line": arguments.command_line, "clouds": results})
+        print_json({"command_line": arguments.command_line, "clouds": results, "failed": failed})
     else:
         print_table(table(results))
-    return 0
+    return EXCEEDED if failed else DONE
 
 
-def _match(database: NearestNeighbour, cloud: Path, camera: Points) -> Match:
+def _match(database: NearestNeighbour, cloud: Path, positions: CameraPositions) -> Match:
     try:
-        return database.classify(read_candidate(cloud, database.config), camera)
+        seen = read_view(cloud, database.config, positions)
+        return database.classify(seen.points, seen.camera)
     except CloudError as reason:
-        raise CloudError(f"{cloud}: {reason}") from reason
+        named = str(cloud) in str(reason)
+        raise (reason if named else CloudError(f"{cloud}: {reason}")) from reason
 
 
 def _as_json(match: Match, database: NearestNeighbour) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 DONE = 0
 EXCEEDED = 1
-"""A check found a value beyond a limit."""
+"""A check found a value beyond a limit, or some of the files could not be labelled."""
 WRONG = 2
 """Wrong usage, an invalid file, or an error that a retry does not fix."""
 NEEDS_PERSON = 3

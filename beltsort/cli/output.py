@@ -2,7 +2,9 @@
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from beltsort import Decide, Move, SortingModel
@@ -23,6 +25,18 @@ def print_json(result: Mapping[str, Any]) -> None:
 def print_status(line: str) -> None:
     """Print a line that is not part of the result, on standard error."""
     print(line, file=sys.stderr)
+
+
+@contextmanager
+def warnings_on_lines() -> Iterator[None]:
+    """Print warnings as lines of their own, without the place in the code, each once."""
+
+    def show(message: Warning | str, *_: object, **__: object) -> None:
+        print_status(f"beltsort: warning: {' '.join(str(message).split())}")
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
 
 
 def print_table(rows: Sequence[Sequence[str]]) -> None:

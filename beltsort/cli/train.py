@@ -6,12 +6,19 @@ from pathlib import Path
 from typing import Any
 
 from beltsort import ArgumentError
-from beltsort.cli.arguments import ORIGIN, Subparsers, add_camera_position, add_json, check_writable
+from beltsort.cli.arguments import Subparsers, add_camera_position, add_json, check_writable
 from beltsort.cli.output import print_json, print_status
 from beltsort.cli.progress import tenths
 from beltsort.perception.confusion import Confusion, confusion
 from beltsort.perception.distances import DISTANCES
-from beltsort.perception.leave_one_out import PERCENTILE, leave_one_out, rejection_threshold, with_rejection
+from beltsort.perception.leave_one_out import (
+    PERCENTILE,
+    Suspect,
+    leave_one_out,
+    rejection_threshold,
+    suspects,
+    with_rejection,
+)
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.training import Trained, train_from_clouds
 from beltsort.sim.config import TRAINING_OBJECTS
@@ -19,6 +26,8 @@ from beltsort.util.text import numbers_or_none
 
 AUTOMATIC = "auto"
 SEED = 0
+MOST_SUSPECTS = 10
+"""Suspects that are listed; the others are counted."""
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -27,8 +36,9 @@ def add_parser(subparsers: Subparsers) -> None:
         "train",
         help="train a classifier on folders of point clouds or meshes",
         description="Train a nearest-neighbour classifier. Each sub-folder of FOLDER is a class and contains "
-        "point clouds of single objects (.pcd, .ply, .xyz, .npy; metres). Prints the confusion matrix of "
-        "leave-one-out cross-validation.",
+        "point clouds of single objects; metres. Formats: .pcd, .ply, text (.xyz, .txt, .csv, .asc, .pts), "
+        ".npy, and 16-bit depth images (.png) beside their intrinsics (see docs/files.md). Prints the "
+        "confusion matrix of leave-one-out cross-validation, and clouds that are nearest to another class.",
     )
     parser.add_argument("folder", metavar="FOLDER", type=Path, help="one sub-folder for each class")
     parser.add_argument(
@@ -87,10 +97,17 @@ def run(arguments: Namespace) -> int:
     trained = _trained(arguments)
     for skipped in trained.skipped:
         print_status(f"skipped {skipped.path}: {skipped.reason}")
+    if trained.own_viewpoints:
+        print_status(
+            f"{trained.own_viewpoints} of {len(trained.files)} files have a VIEWPOINT, which is the camera's "
+            "position; if their points are in the camera frame, give --viewpoint 0,0,0"
+        )
     left_out = leave_one_out(trained.database)
     suggested = rejection_threshold(trained.database, left_out)
     reject = _rejection_distance(arguments.reject, suggested)
     database, predicted = with_rejection(trained.database, left_out, reject)
+    # The scans of a mesh are of its class whatever they look like.
+    doubtful = [] if arguments.meshes else suspects(database, left_out)
     table = confusion(database.labels, predicted, database.classes)
     database.save(arguments.output)
     if arguments.figure is not None:
@@ -98,9 +115,11 @@ def run(arguments: Namespace) -> int:
 
         draw_confusion(table, arguments.figure)
     if arguments.json:
-        print_json(_as_json(arguments, trained, table, reject, suggested))
+        print_json(_as_json(arguments, trained, table, reject, suggested, doubtful))
     else:
         _show_text(arguments, database, table, suggested)
+        if doubtful:
+            print(_suspects_text(trained, doubtful))
     return 0
 
 
@@ -123,7 +142,7 @@ def _check_arguments(arguments: Namespace) -> None:
 def _trained(arguments: Namespace) -> Trained:
     settings = {"distance": arguments.distance, "k": arguments.k}
     if not arguments.meshes:
-        return train_from_clouds(arguments.folder, viewpoint=arguments.viewpoint or ORIGIN, **settings)
+        return train_from_clouds(arguments.folder, viewpoint=arguments.viewpoint, **settings)
     from beltsort.sim.meshes import train_from_meshes
 
     return train_from_meshes(
@@ -148,7 +167,12 @@ def _rejection_distance(reject: float | str | None, suggested: float | None) -> 
 
 
 def _as_json(
-    arguments: Namespace, trained: Trained, table: Confusion, reject: float | None, suggested: float | None
+    arguments: Namespace,
+    trained: Trained,
+    table: Confusion,
+    reject: float | None,
+    suggested: float | None,
+    doubtful: list[Suspect],
 ) -> dict[str, Any]:
     return {
         "command_line": arguments.command_line,
@@ -163,6 +187,16 @@ def _as_json(
         "classes": list(table.classes),
         "confusion": table.counts.tolist(),
         "right": table.right,
+        "suspects": [
+            {
+                "file": str(trained.files[suspect.entry]),
+                "class": trained.database.classes[trained.database.labels[suspect.entry]],
+                "nearest": trained.database.classes[suspect.other],
+                "distance": suspect.distance,
+                "own_distance": suspect.own_distance,
+            }
+            for suspect in doubtful
+        ],
         "recall": numbers_or_none(dict(zip(table.classes, table.recall.tolist(), strict=True))),
     }
 
@@ -184,3 +218,20 @@ def _show_text(
             f"Every cloud gets a label. The {PERCENTILE:g}th percentile of the distance to the nearest entry "
             f"of the same class is {suggested:g}; --reject {AUTOMATIC} gives no label beyond it."
         )
+
+
+def _suspects_text(trained: Trained, doubtful: list[Suspect]) -> str:
+    """Return a list of the entries that are nearest to another class."""
+    database = trained.database
+    lines = [
+        f"{len(doubtful)} of {len(trained.files)} clouds are nearest to another class; check their folders:"
+    ]
+    for suspect in doubtful[:MOST_SUSPECTS]:
+        own = database.classes[database.labels[suspect.entry]]
+        lines.append(
+            f"  {trained.files[suspect.entry]}: {suspect.distance:.4g} to {database.classes[suspect.other]}, "
+            f"{suspect.own_distance:.4g} to {own}"
+        )
+    if len(doubtful) > MOST_SUSPECTS:
+        lines.append(f"  and {len(doubtful) - MOST_SUSPECTS} more")
+    return "\n".join(lines)

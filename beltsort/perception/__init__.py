@@ -1,10 +1,11 @@
 """From depth scans to class labels: candidates, viewpoint feature histograms, nearest neighbours."""
 
-from beltsort.perception.checks import PoseWarning, UnitWarning
+from beltsort.perception.checks import FileWarning, PoseWarning, UnitWarning
 from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.clouds import read_cloud
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.confusion import Confusion, confusion
+from beltsort.perception.depth import Intrinsics, cloud_from_depth
 from beltsort.perception.descriptor import describe, oriented_normals
 from beltsort.perception.finding import Finding
 from beltsort.perception.label_edges import fit_label_rule
@@ -22,8 +23,10 @@ from beltsort.perception.vfh import vfh, vfh_batch
 __all__ = [
     "Classifier",
     "Confusion",
+    "FileWarning",
     "Finding",
     "FromProbabilities",
+    "Intrinsics",
     "LabelRule",
     "Match",
     "NearestNeighbour",
@@ -37,6 +40,7 @@ __all__ = [
     "Segmented",
     "Trained",
     "UnitWarning",
+    "cloud_from_depth",
     "confusion",
     "describe",
     "fit_label_rule",

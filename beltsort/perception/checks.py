@@ -31,6 +31,10 @@ class PoseWarning(UserWarning):
     """A scan does not show the belt where its pose says."""
 
 
+class FileWarning(UserWarning):
+    """A file holds something that is not read or not used."""
+
+
 @contextmanager
 def counted_warnings() -> Iterator[None]:
     """Ignore the warnings of single scans, for a caller that counts pose faults and tells each kind once."""

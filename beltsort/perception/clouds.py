@@ -1,19 +1,43 @@
 """Point clouds from files."""
 
+import warnings
 from collections.abc import Callable
-from io import BytesIO
-from math import prod
 from os import PathLike
 from pathlib import Path
 
 import numpy as np
-from numpy.lib import format as npy
 
 from beltsort.errors import CloudError
 from beltsort.geometry import Points
-from beltsort.perception.records import expect, parse_pcd, parse_ply
+from beltsort.perception.checks import FileWarning
+from beltsort.perception.formats.content import Content, UnreadableError
+from beltsort.perception.formats.depth_image import camera_file, parse_depth
+from beltsort.perception.formats.npy import parse_npy
+from beltsort.perception.formats.pcd import parse_pcd
+from beltsort.perception.formats.ply import parse_ply
+from beltsort.perception.formats.text import parse_text
 
-NPY_HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+PARSERS: dict[str, Callable[[bytes], Content]] = {
+    ".npy": parse_npy,
+    ".pcd": parse_pcd,
+    ".ply": parse_ply,
+    ".xyz": parse_text,
+    ".asc": parse_text,
+    ".csv": parse_text,
+    ".pts": parse_text,
+    ".txt": parse_text,
+}
+DEPTH = ".png"
+SUFFIXES = (*PARSERS, DEPTH)
+
+FARTHEST = 1e12
+"""Coordinates beyond it, which some sensors write for a pixel without return (FLT_MAX), are no numbers."""
+
+REMEDIES = {
+    ".npz": "save its array of points with np.save",
+    **dict.fromkeys((".stl", ".obj", ".off", ".gltf", ".glb"), "it is a mesh, for `beltsort train --meshes`"),
+    **dict.fromkeys((".jpg", ".jpeg", ".tif", ".tiff", ".exr"), "save depth images as 16-bit PNG"),
+}
 
 
 def read_cloud(path: str | PathLike[str]) -> Points:
@@ -22,59 +46,81 @@ def read_cloud(path: str | PathLike[str]) -> Points:
     Parameters
     ----------
     path
-        A .pcd, .ply, .xyz (text, one point a line) or .npy file (last axis of length 3).
+        A .pcd or .ply file, text with one point a line (.xyz, .txt, .csv, .asc, .pts), a .npy file, or a
+        depth image (16-bit .png) beside a JSON file of the camera's intrinsics.
 
     Returns
     -------
     Points
-        Shape (n, 3), n > 0, in the file's unit and frame; NaN where the file has NaN.
+        Shape (n, 3), n > 0, in the file's unit and frame (depth images: metres, camera frame); NaN where the
+        file has no number, or one beyond 1e12, as a pixel without return may be written.
 
     Raises
     ------
     CloudError
-        If the file is missing, of another format, damaged, truncated, or holds no point.
+        If the file is missing, of another format, damaged, truncated, or holds no finite point.
+
+    Warns
+    -----
+    FileWarning
+        If the file holds more than is read: data behind its points, or the faces of a mesh.
     """
+    return read_content(path).points
+
+
+def read_content(path: str | PathLike[str]) -> Content:
+    """Read a point cloud and what the file says of the camera; raises and warns as `read_cloud`."""
     file = Path(path)
-    parse = PARSERS.get(file.suffix.lower())
-    if parse is None:
-        raise CloudError(
-            f"{file} has suffix {file.suffix!r}, expected one of {sorted(PARSERS)}: convert the file"
-        )
+    suffix = file.suffix.lower()
+    if suffix not in SUFFIXES:
+        remedy = REMEDIES.get(suffix, "convert the file")
+        raise CloudError(f"{file} has suffix {file.suffix!r}, expected one of {[*SUFFIXES]}: {remedy}")
+    remedy = f"expected a complete {suffix} file: write it again"
     try:
-        points = parse(file.read_bytes())
-    except Exception as reason:  # whatever a parser stumbles over means that the file is damaged
-        raise CloudError(
-            f"cannot read {file}: {reason}; expected a complete {file.suffix} file: write it again"
-        ) from reason
+        data = file.read_bytes()
+        content = parse_depth(data, file) if suffix == DEPTH else PARSERS[suffix](data)
+    except OSError as reason:
+        raise CloudError(f"cannot read {file}: {reason.strerror}; give the path of a file") from reason
+    except UnreadableError as reason:
+        raise CloudError(reason.message(file, remedy)) from reason
+    except Exception as reason:  # whatever else a parser stumbles over means that the file is damaged
+        raise CloudError(f"cannot read {file}: its content is damaged; {remedy}") from reason
+    points = _without_far(content.points)
     if len(points) == 0:
         raise CloudError(f"{file} holds 0 points, expected at least one: scan again")
-    return points
+    if not np.isfinite(points).all(axis=1).any():
+        raise CloudError(
+            f"{file} holds {len(points)} points, 0 of them finite, expected at least one: scan again"
+        )
+    _warn(file, content)
+    return Content(points, content.camera, content.faces, content.notes)
 
 
-def _parse_xyz(data: bytes) -> Points:
-    if not any(line.split(b"#")[0].strip() for line in BytesIO(data)):
-        return np.empty((0, 3))
-    columns: Points = np.loadtxt(BytesIO(data), ndmin=2, encoding="utf-8")
-    if columns.shape[1] < 3:
-        raise ValueError(f"{columns.shape[1]} columns")
-    return columns[:, :3]
+def files_of(path: str | PathLike[str]) -> list[Path]:
+    """Return the files that a cloud is read from: its own, and a depth image's intrinsics."""
+    file = Path(path)
+    intrinsics = camera_file(file) if file.suffix.lower() == DEPTH else None
+    return [file] if intrinsics is None else [file, intrinsics]
 
 
-def _parse_npy(data: bytes) -> Points:
-    stream = BytesIO(data)
-    shape, by_columns, dtype = NPY_HEADERS[npy.read_magic(stream)](stream)
-    if dtype.kind not in "fiu" or shape[-1:] != (3,) or min(shape) < 0:
-        raise ValueError(f"the array holds {dtype} in shape {shape}")
-    body = data[stream.tell() :]
-    expect(len(body), prod(shape) * dtype.itemsize, "bytes")
-    values = np.frombuffer(body, dtype, prod(shape)).reshape(shape, order="F" if by_columns else "C")
-    points: Points = values.reshape(-1, 3).astype(np.float64)
-    return points
+def _without_far(points: Points) -> Points:
+    """Return the points with NaN for what no sensor can have measured."""
+    with np.errstate(invalid="ignore"):
+        far = np.abs(points) > FARTHEST
+    if not far.any():
+        return points
+    near = points.copy()
+    near[far] = np.nan
+    return near
 
 
-PARSERS: dict[str, Callable[[bytes], Points]] = {
-    ".pcd": parse_pcd,
-    ".ply": parse_ply,
-    ".xyz": _parse_xyz,
-    ".npy": _parse_npy,
-}
+def _warn(file: Path, content: Content) -> None:
+    for note in content.notes:
+        warnings.warn(f"{file}: {note}", FileWarning, stacklevel=4)
+    if content.faces:
+        warnings.warn(
+            f"{file} has {content.faces} faces, which are not read: if it is a mesh and no scan, train with "
+            "`beltsort train --meshes`",
+            FileWarning,
+            stacklevel=4,
+        )

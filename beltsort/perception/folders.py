@@ -1,11 +1,14 @@
 """Training data in folders: the sub-folder that a file lies in names its class."""
 
+import warnings
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
 from beltsort.errors import DatabaseError
+from beltsort.perception.checks import FileWarning
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,22 @@ def training_files(folder: str | PathLike[str]) -> list[Path]:
     if not files:
         raise DatabaseError(f"{root} holds no file, expected some in a sub-folder for each class")
     return files
+
+
+def warn_of_twins(files: Iterable[Path]) -> None:
+    """Warn of files that differ in their suffix only: one object that counts twice, most likely."""
+    twins: dict[Path, list[Path]] = defaultdict(list)
+    for file in files:
+        twins[file.with_suffix("")].append(file)
+    for same in twins.values():
+        if len(same) > 1:
+            names = " and ".join(file.name for file in same)
+            warnings.warn(
+                f"{same[0].parent}: {names} have one name: if they show one object, it counts {len(same)} "
+                "times; delete all but one, or rename them",
+                FileWarning,
+                stacklevel=3,
+            )
 
 
 def class_folder(file: Path, folder: str | PathLike[str]) -> str | None:

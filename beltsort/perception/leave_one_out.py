@@ -4,7 +4,7 @@ Views of one object, or parts of one scan, are near each other: on objects that 
 errs more often than here.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -89,3 +89,57 @@ def with_rejection(
     suggested = rejection_threshold(database, left_out)
     kept = replace(database, reject=reject, training_distance=suggested)
     return kept, [match.within(reject) for match in labelled]
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An entry that is nearer to another class than to its own, so that its label may be wrong.
+
+    Attributes
+    ----------
+    entry
+        Index of the entry in the database.
+    other
+        Class of the nearest entry.
+    distance, own_distance
+        To the nearest entry of that class, and to the nearest other entry of the entry's own.
+    """
+
+    entry: int
+    other: int
+    distance: float
+    own_distance: float
+
+
+def suspects(database: NearestNeighbour, left_out: list[Match]) -> list[Suspect]:
+    """Return the entries that are nearer to another class, the most suspicious first.
+
+    An entry is the more suspicious, the nearer another class is in proportion to its own. The only entry of a
+    class has nothing to be compared with. Many views of one object under a wrong name are near each other:
+    not all of them are found.
+
+    Parameters
+    ----------
+    database
+        The database.
+    left_out
+        What `leave_one_out` returned for it.
+
+    Examples
+    --------
+    >>> descriptors = np.eye(4, 308) + np.eye(4, 308)[[1, 0, 3, 3]]
+    >>> database = NearestNeighbour.train(descriptors, [0, 0, 1, 0], ["bulb", "cup"])
+    >>> [(suspect.entry, suspect.other) for suspect in suspects(database, leave_one_out(database))]
+    [(3, 1)]
+    """
+    found = []
+    for entry, (match, label) in enumerate(zip(left_out, database.labels.tolist(), strict=True)):
+        if match.distances is None or np.isinf(match.distances[label]):
+            continue
+        own = float(match.distances[label])
+        others = match.distances.copy()
+        others[label] = np.inf
+        other = int(others.argmin())
+        if others[other] < own:
+            found.append(Suspect(entry, other, float(others[other]), own))
+    return sorted(found, key=lambda suspect: suspect.distance / suspect.own_distance)

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = cloud_folder(tmp_path_factory.mktemp("clouds"))
-    (folder / "round" / "notes.txt").touch()
+    (folder / "round" / "notes.md").touch()
     return folder
 
 
@@ -43,7 +43,7 @@ def test_train_writes_what_the_library_trains(folder: Path, tmp_path: Path) -> N
     path = tmp_path / "shapes.npz"
     done = command("train", str(folder), "-o", str(path), "--distance", "l2", "-k", "3", "--reject", "auto")
     assert done.returncode == 0
-    assert done.stderr.startswith(f"skipped {folder / 'round' / 'notes.txt'}: ")
+    assert done.stderr.startswith(f"skipped {folder / 'round' / 'notes.md'}: ")
     assert f"{path}: 6 entries of 2 classes, distance l2, k = 3\n" in done.stdout
     assert "6 of 6 are right (100.0 %)" in done.stdout
     written, expected = NearestNeighbour.load(path), train_from_clouds(folder, distance="l2", k=3).database
@@ -60,7 +60,7 @@ def test_train_as_json(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixtu
     assert facts["suggested_reject"] > 0.5
     assert facts["confusion"] == [[0, 0, 3], [0, 0, 3]]
     assert (facts["right"], facts["recall"]) == (0, {"long": 0.0, "round": 0.0})
-    assert [skipped["file"] for skipped in facts["skipped"]] == [str(folder / "round" / "notes.txt")]
+    assert [skipped["file"] for skipped in facts["skipped"]] == [str(folder / "round" / "notes.md")]
 
 
 def test_the_figure_is_a_picture(folder: Path, tmp_path: Path) -> None:
@@ -134,8 +134,8 @@ def test_where_the_camera_stood_counts(folder: Path, database: str) -> None:
         (["classify", "{known}", "{known}"], r"/long/0\.npy\b.*\bNearestNeighbour\.save\b"),
         (["classify", "{database}", "absent.npy"], r"absent\.npy\b.*No such file"),
         (
-            ["classify", "{database}", "{folder}/round/notes.txt"],
-            r"'\.txt'.*'\.npy', '\.pcd', '\.ply', '\.xyz'",
+            ["classify", "{database}", "{folder}/round/notes.md"],
+            r"'\.md'.*'\.npy', '\.pcd', '\.ply', '\.xyz'",
         ),
         (["classify", "{database}", "{two}"], r"\b2 points\b.*\b2 voxels\b.*\b0\.004 m\b.*\b40\b"),
     ],

@@ -55,7 +55,7 @@ def test_what_cannot_be_used_is_named_with_its_reason(folder: Path) -> None:
     np.save(folder / "long" / "two.npy", cloud("long", 0)[:2])
     np.save(folder / "round" / "kilometres.npy", 1e-3 * cloud("round", 0))
     np.save(folder / "round" / "millimetres.npy", 1e3 * cloud("round", 0))
-    (folder / "round" / "notes.txt").write_text("scanned on Tuesday")
+    (folder / "round" / "notes.md").write_text("scanned on Tuesday")
     (folder / "round" / "cut.pcd").write_text("VERSION 0.7")
     np.save(folder / "stray.npy", cloud("long", 0))
     np.save(folder / "long" / "nothing.npy", np.full((500, 3), np.nan))
@@ -67,10 +67,10 @@ def test_what_cannot_be_used_is_named_with_its_reason(folder: Path) -> None:
         "two.npy": r"\b2 points\b.*\b2 voxels\b.*\b0\.004 m\b.*\b40\b",
         "kilometres.npy": r"\b4000 points\b.*\b4 voxels\b.*\bmetres\b",
         "millimetres.npy": r"\b2 m\b",
-        "notes.txt": r"'\.txt'.*'\.npy'",
+        "notes.md": r"'\.md'.*'\.npy'",
         "cut.pcd": "DATA",
         "stray.npy": r"\bsub-folder\b",
-        "nothing.npy": r"\b0 voxels\b.*\b40\b",
+        "nothing.npy": r"\b500 points\b.*\b0 of them finite\b",
         "gone.ply": "No such file",
     }.items():
         assert re.search(said, reasons.pop(name))
