@@ -13,7 +13,7 @@ from beltsort.perception.checks import FileWarning
 from beltsort.perception.formats.content import Content, UnreadableError
 from beltsort.perception.formats.depth_image import camera_file, parse_depth
 from beltsort.perception.formats.npy import parse_npy
-from beltsort.perception.formats.pcd import parse_pcd
+from beltsort.perception.formats.pcd import parse_pcd, viewpoint_of
 from beltsort.perception.formats.ply import parse_ply
 from beltsort.perception.formats.text import parse_text
 
@@ -32,6 +32,8 @@ SUFFIXES = (*PARSERS, DEPTH)
 
 FARTHEST = 1e12
 """Coordinates beyond it, which some sensors write for a pixel without return (FLT_MAX), are no numbers."""
+
+MOST_OF_A_HEADER = 4096  # bytes
 
 REMEDIES = {
     ".npz": "save its array of points with np.save",
@@ -101,6 +103,15 @@ def files_of(path: str | PathLike[str]) -> list[Path]:
     file = Path(path)
     intrinsics = camera_file(file) if file.suffix.lower() == DEPTH else None
     return [file] if intrinsics is None else [file, intrinsics]
+
+
+def has_viewpoint(path: str | PathLike[str]) -> bool:
+    """Return whether a file names a pose of the camera: a PCD file whose VIEWPOINT is not the identity."""
+    file = Path(path)
+    if file.suffix.lower() != ".pcd":
+        return False
+    with file.open("rb") as opened:
+        return viewpoint_of(opened.read(MOST_OF_A_HEADER)) is not None
 
 
 def _without_far(points: Points) -> Points:

@@ -6,7 +6,13 @@ from pathlib import Path
 
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
-from beltsort.perception.folders import Skipped, class_folder, expect_two_classes, training_files
+from beltsort.perception.folders import (
+    Skipped,
+    class_folder,
+    expect_two_classes,
+    training_files,
+    warn_of_twins,
+)
 from beltsort.perception.training import Trained
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_training
@@ -54,8 +60,14 @@ def train_from_meshes(
         If the folder does not exist, fewer than two classes have a usable mesh, or a setting is invalid.
     BeltsortError
         If a worker process dies.
+
+    Warns
+    -----
+    FileWarning
+        As `read_mesh`, and about meshes that differ in their suffix only.
     """
     meshes, skipped = _readable(training_files(folder))
+    warn_of_twins(meshes)
     names = [class_folder(mesh, folder) or mesh.stem for mesh in meshes]
     expect_two_classes(names, folder, skipped)
     cell = CellConfig(

@@ -11,6 +11,7 @@ from beltsort.cell.protocols import Scan
 from beltsort.errors import CloudError, DatabaseError, RecordingError
 from beltsort.perception import (
     Classifier,
+    FileWarning,
     Perceived,
     Perception,
     PerceptionConfig,
@@ -19,6 +20,7 @@ from beltsort.perception import (
     read_cloud,
 )
 from beltsort.perception.checks import counted_warnings
+from beltsort.perception.clouds import files_of, has_viewpoint
 from beltsort.tables.findings import fault_texts, faults_of
 from beltsort.tables.log import LabelLog, PositionLabel, PositionLabels, label_missing
 from beltsort.tables.matches import MatchedScan, Matches, MatchLog, Seen
@@ -140,6 +142,7 @@ def _perceive(
                 f"{scan.file} and {files[key]} in {recording.folder} are one scan under two names, which "
                 f"would count twice: delete one line of {MANIFEST}"
             )
+    _warn_of_viewpoints(recording)
     pieces = list(zip(keys, recording.scans, strict=True))
     label_missing(task, pieces, lambda piece: [piece[0]], log, workers, progress)
     return keys
@@ -151,9 +154,22 @@ def _warn(faults: Sequence[PoseFault | None]) -> None:
         warnings.warn(text, PoseWarning, stacklevel=3)
 
 
+def _warn_of_viewpoints(recording: Recording) -> None:
+    """Warn of files that name a pose of the camera, beside that of the manifest."""
+    with_pose = [scan.file for scan in recording.scans if has_viewpoint(recording.folder / scan.file)]
+    if with_pose:
+        warnings.warn(
+            f"{len(with_pose)} of {len(recording.scans)} clouds in {recording.folder}, the first is "
+            f"{with_pose[0]}, have a VIEWPOINT, which is not used: their points are taken in the camera frame, "
+            f"and the camera's pose from {MANIFEST}",
+            FileWarning,
+            stacklevel=4,
+        )
+
+
 def _key(folder: Path, scan: RecordedScan) -> str:
     """Return a hash of everything that the labels of a scan depend on."""
-    content = (folder / scan.file).read_bytes()
+    content = b"".join(file.read_bytes() for file in files_of(folder / scan.file))
     return hashlib.sha256(content + scan.world_from_camera.tobytes()).hexdigest()
 
 

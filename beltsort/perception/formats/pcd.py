@@ -58,6 +58,15 @@ def parse_pcd(data: bytes) -> Content:
     return Content(points, camera, notes=(*notes, *more))
 
 
+def viewpoint_of(data: bytes) -> Points | None:
+    """Return the camera's position by a PCD file's header, shape (3,), None if it names none or is damaged."""
+    try:
+        lines = split_header(data, "DATA").lines
+    except UnreadableError:
+        return None
+    return _camera(next((words[1:] for words in lines if words[0].upper() == "VIEWPOINT"), None))[0]
+
+
 def _declared(fields: dict[str, list[str]]) -> Table:
     """Return what the header declares; SIZE, TYPE, COUNT and POINTS have PCL's defaults."""
     names = fields.get("FIELDS") or fields.get("COLUMNS")  # of version .5
