@@ -160,8 +160,8 @@ def _warn_of_viewpoints(recording: Recording) -> None:
     if with_pose:
         warnings.warn(
             f"{len(with_pose)} of {len(recording.scans)} clouds in {recording.folder}, the first is "
-            f"{with_pose[0]}, have a VIEWPOINT, which is not used: their points are taken in the camera frame, "
-            f"and the camera's pose from {MANIFEST}",
+            f"{with_pose[0]}, have a VIEWPOINT, which is not used: their points are taken in the camera "
+            f"frame, and the camera's pose from {MANIFEST}",
             FileWarning,
             stacklevel=4,
         )

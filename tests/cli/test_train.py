@@ -192,3 +192,69 @@ def test_wrong_usage(options: list[str], capsys: pytest.CaptureFixture[str]) -> 
     assert stopped.value.code == 2
     option, value = options
     assert re.search(rf"{option}: .*{value}", capsys.readouterr().err)
+
+
+def test_classify_labels_the_good_files_of_a_list(
+    folder: Path, database: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known, torn = str(folder / "long" / "0.npy"), str(tmp_path / "torn.xyz")
+    Path(torn).write_text("1 2 3\n4 5\n")
+    given = ["classify", database, known, torn, "absent.npy", str(folder / "round" / "0.npy")]
+    assert main(given) == 1
+    captured = capsys.readouterr()
+    assert [line.split()[1] for line in captured.out.splitlines()[1:]] == ["long", "round"]
+    assert re.search(r"torn\.xyz, line 2: .*2 columns", captured.err)
+    assert re.search(r"absent\.npy.*No such file", captured.err)
+    assert main([*given, "--json"]) == 1
+    facts = json.loads(capsys.readouterr().out)
+    assert [answer["label"] for answer in facts["clouds"]] == ["long", "round"]
+    assert [failure["cloud"] for failure in facts["failed"]] == [torn, "absent.npy"]
+    assert main(["classify", database, torn, "absent.npy"]) == 2
+    assert re.search(r"^beltsort: error: .*torn\.xyz.*absent\.npy", capsys.readouterr().err)
+
+
+def test_train_lists_clouds_that_may_be_in_the_wrong_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = cloud_folder(tmp_path / "clouds", each=14)
+    for seed in range(12):
+        (folder / "long" / f"{seed}.npy").rename(folder / "round" / f"moved{seed}.npy")
+    for name in ("12", "13"):
+        (folder / "round" / f"{name}.npy").unlink()
+    for seed in range(20, 32):
+        np.save(folder / "round" / f"{seed}.npy", cloud("round", seed))
+    arguments = ["train", str(folder), "-o", str(tmp_path / "a.npz")]
+    assert main([*arguments, "--json"]) == 0
+    suspects = json.loads(capsys.readouterr().out)["suspects"]
+    assert suspects
+    assert {(each["class"], each["nearest"]) for each in suspects} <= {("round", "long"), ("long", "round")}
+    ratios = [each["distance"] / each["own_distance"] for each in suspects]
+    assert ratios == sorted(ratios)
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    assert f"{len(suspects)} of 38 clouds are nearest to another class" in text
+    assert text.count(" to long, ") + text.count(" to round, ") == min(len(suspects), 10)
+    assert (f"and {len(suspects) - 10} more" in text) == (len(suspects) > 10)
+
+
+def test_the_camera_of_each_cloud_from_a_file(folder: Path, database: str, tmp_path: Path) -> None:
+    known = folder / "long" / "0.npy"
+    cameras = tmp_path / "cameras.csv"
+    cameras.write_text(f"cloud,x,y,z\n{known},-1,0,0\n")
+    (given,) = json_of("classify", database, str(known), "--viewpoint=-1,0,0")["clouds"]
+    (listed,) = json_of("classify", database, str(known), "--viewpoint", str(cameras))["clouds"]
+    assert listed == given
+
+
+def test_warnings_are_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = cloud_folder(tmp_path / "clouds")
+    (folder / "long" / "0.npy").rename(folder / "long" / "0.twin.npy")
+    points = cloud("long", 0)
+    head = f"WIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT 0.1 0 0 1 0 0 0\nDATA ascii\n"
+    rows = "\n".join(" ".join(map(str, point)) for point in points.tolist())
+    (folder / "long" / "1.pcd").write_text(f"FIELDS x y z\n{head}{rows}\n7 8 9\n")
+    assert main(["train", str(folder), "-o", str(tmp_path / "a.npz")]) == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert re.search(r"^beltsort: warning: \S+1\.pcd: 1 lines", lines[0])
+    assert re.search(r"^beltsort: warning: .*1\.npy and 1\.pcd", lines[1])
+    assert re.search(r"^1 of 7 files have a VIEWPOINT\b.*--viewpoint 0,0,0", lines[2])

@@ -7,7 +7,7 @@ import pytest
 
 from beltsort.errors import DatabaseError
 from beltsort.perception import NearestNeighbour, confusion, leave_one_out, rejection_threshold
-from beltsort.perception.leave_one_out import with_rejection
+from beltsort.perception.leave_one_out import suspects, with_rejection
 
 from .databases import CLASSES, database
 
@@ -93,3 +93,19 @@ def test_confusion_counts_every_answer_once() -> None:
 def test_a_class_without_answers_has_no_recall() -> None:
     table = confusion([0, 0], leave_one_out(line([0.0, 1.0], [0, 0])), CLASSES)
     np.testing.assert_array_equal(table.recall, [1.0, np.nan, np.nan])
+
+
+def test_entries_nearer_to_another_class_are_suspects() -> None:
+    trained = line([0.0, 1.0, 1.5, 10.0, 11.0, 0.5, 4.0], [0, 0, 0, 1, 1, 1, 0])
+    found = suspects(trained, leave_one_out(trained))
+    assert found[0].entry == 5  # of class 1 amid class 0
+    assert (found[0].other, found[0].distance < found[0].own_distance) == (0, True)
+    ratios = [suspect.distance / suspect.own_distance for suspect in found]
+    assert ratios == sorted(ratios)
+    for suspect in found:
+        assert suspect.other != trained.labels[suspect.entry]
+
+
+def test_the_only_entry_of_a_class_is_no_suspect() -> None:
+    trained = line([0.0, 1.0, 0.4], [0, 0, 1])
+    assert 2 not in [suspect.entry for suspect in suspects(trained, leave_one_out(trained))]

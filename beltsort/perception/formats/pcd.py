@@ -59,7 +59,7 @@ def parse_pcd(data: bytes) -> Content:
 
 
 def viewpoint_of(data: bytes) -> Points | None:
-    """Return the camera's position by a PCD file's header, shape (3,), None if it names none or is damaged."""
+    """Return the camera's position by a PCD file's header, shape (3,), None if it names none."""
     try:
         lines = split_header(data, "DATA").lines
     except UnreadableError:
