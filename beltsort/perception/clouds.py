@@ -90,7 +90,8 @@ def read_content(path: str | PathLike[str]) -> Content:
     points = _without_far(content.points)
     if len(points) == 0:
         raise CloudError(f"{file} holds 0 points, expected at least one: scan again")
-    if not np.isfinite(points).all(axis=1).any():
+    finite = np.isfinite(points)
+    if not finite.all() and not finite.all(axis=1).any():
         raise CloudError(
             f"{file} holds {len(points)} points, 0 of them finite, expected at least one: scan again"
         )

@@ -1,14 +1,16 @@
 """Recorded from the simulated cell, interrupted, labelled."""
 
+import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from beltsort.errors import CloudError, DatabaseError, RecordingError
-from beltsort.perception import LabelRule, NearestNeighbour, fit_label_rule, leave_one_out
+from beltsort.perception import FileWarning, LabelRule, NearestNeighbour, fit_label_rule, leave_one_out
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import collect_matches, collect_scans
 from beltsort.sim.record import record_simulated
@@ -139,3 +141,41 @@ def test_the_classifier_must_know_the_classes(recording: Recording, database: Ne
     turned = NearestNeighbour.train(database.descriptors, database.labels, database.classes[::-1])
     with pytest.raises(DatabaseError, match=r"'standard', .*'elongated'\].*\['elongated', .*'standard'\]"):
         label_recording(recording, turned, workers=1)
+
+
+def as_depth_image(recording: Recording, focal: float) -> Recording:
+    """Replace the first scan by its depth image, in tenths of a millimetre, beside its intrinsics."""
+    points = np.load(recording.folder / recording.scans[0].file).reshape(480, 640, 3)
+    depth = np.nan_to_num(np.round(10_000.0 * points[..., 2])).astype(np.uint16)
+    Image.fromarray(depth).save(recording.folder / "first.png")
+    camera = {"fx": focal, "fy": focal, "cx": 319.5, "cy": 239.5, "depth_scale": 10_000}
+    (recording.folder / "first.json").write_text(json.dumps(camera))
+    first = replace(recording.scans[0], file="first.png")
+    return replace(recording, scans=(first, *recording.scans[1:]))
+
+
+@pytest.mark.slow
+def test_depth_images_get_the_labels_of_clouds(
+    recording: Recording, config: CellConfig, database: NearestNeighbour
+) -> None:
+    log = LabelLog()
+    images = as_depth_image(recording, config.camera.focal)
+    assert label_recording(images, database, workers=1, log=log) == label_recording(
+        recording, database, workers=1
+    )
+    corrected = as_depth_image(recording, 500.0)  # other intrinsics: the scan must be labelled again
+    label_recording(corrected, database, workers=1, log=log)
+    assert len(log.labels()) == 3
+
+
+def test_a_viewpoint_beside_that_of_the_manifest_is_told(
+    recording: Recording, database: NearestNeighbour
+) -> None:
+    points = np.load(recording.folder / recording.scans[0].file).reshape(-1, 3)
+    head = f"FIELDS x y z\nSIZE 8 8 8\nWIDTH {len(points)}\nVIEWPOINT 0 0 0.7 0 1 0 0\nDATA binary\n"
+    (recording.folder / "first.pcd").write_bytes(head.encode() + points.astype("<f8").tobytes())
+    first = replace(recording.scans[0], file="first.pcd")
+    moved = replace(recording, scans=(first, *recording.scans[1:]))
+    with pytest.warns(FileWarning, match=rf"\b1 of 2 clouds\b.*first\.pcd\b.*VIEWPOINT\b.*{MANIFEST}"):
+        labelled = label_recording(moved, database, workers=1)
+    assert labelled == label_recording(recording, database, workers=1)

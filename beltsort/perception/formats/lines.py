@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,17 +11,42 @@ from numpy.typing import NDArray
 from beltsort.perception.formats.content import UnreadableError
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
-LINE_ENDS = re.compile("\r\n|\r|\n")
 NO_NUMBER = re.compile(r"[-+]?(?:nan\(\w*\)|\d\.#[A-Z]+\d*)", re.IGNORECASE)
 """How C libraries write what is no number: -nan(ind), 1.#IND, 1.#QNAN, -1.#INF00."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A line that is not blank, stripped, and its number in the file, from 1."""
 
     number: int
     text: str
+
+
+@dataclass(frozen=True)
+class Lines(Sequence[Line]):
+    """Lines that are not blank: their `texts` and `places`, the numbers of the lines in the file.
+
+    A million `Line` objects take longer to make than their numbers to be parsed.
+    """
+
+    texts: list[str]
+    places: Sequence[int]
+
+    def __len__(self) -> int:
+        """Return how many lines there are."""
+        return len(self.texts)
+
+    @overload
+    def __getitem__(self, index: int) -> Line: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> "Lines": ...
+
+    def __getitem__(self, index: int | slice) -> "Line | Lines":
+        """Return one line, or some."""
+        if isinstance(index, slice):
+            return Lines(self.texts[index], self.places[index])
+        return Line(self.places[index], self.texts[index])
 
 
 @dataclass(frozen=True)
@@ -68,10 +94,16 @@ def _end_of_line(data: bytes) -> bytes:
     return b"\r" if alone else b"\n"
 
 
-def lines_of(text: str, first: int = 1) -> list[Line]:
-    """Return the lines of a text that are not blank; `first` is the number of its first line."""
-    numbered = enumerate(LINE_ENDS.split(text), start=first)
-    return [Line(number, stripped) for number, line in numbered if (stripped := line.strip())]
+def split_lines(text: str) -> list[str]:
+    """Return the lines of a text, which end in LF, CR LF or CR."""
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def lines_of(text: str, first: int = 1) -> Lines:
+    """Return the lines of a text that are not blank, stripped; `first` is the number of its first line."""
+    stripped = list(map(str.strip, split_lines(text)))
+    places = [number for number, line in enumerate(stripped, start=first) if line]
+    return Lines([line for line in stripped if line], places)
 
 
 def with_plain_nan(text: str) -> str:
@@ -79,7 +111,7 @@ def with_plain_nan(text: str) -> str:
     return NO_NUMBER.sub("nan", text) if "#" in text or "(" in text else text
 
 
-def body_lines(data: bytes, header: Header) -> list[Line]:
+def body_lines(data: bytes, header: Header) -> Lines:
     """Return the lines behind a header."""
     try:
         text = data[header.start :].decode("utf-8")
@@ -91,7 +123,7 @@ def body_lines(data: bytes, header: Header) -> list[Line]:
     return lines_of(with_plain_nan(text), header.length + 1)
 
 
-def numbers(lines: Sequence[Line], columns: int, separator: str | None = None) -> NDArray[np.float64]:
+def numbers(lines: Lines, columns: int, separator: str | None = None) -> NDArray[np.float64]:
     """Return lines of numbers as an array, shape (len(lines), columns).
 
     Parameters
@@ -106,7 +138,7 @@ def numbers(lines: Sequence[Line], columns: int, separator: str | None = None) -
     if not lines:
         return np.empty((0, columns))
     try:
-        values = np.loadtxt([line.text for line in lines], ndmin=2, delimiter=separator, comments=None)
+        values = np.loadtxt(lines.texts, ndmin=2, delimiter=separator, comments=None)
     except ValueError:
         values = np.empty((0, 0))
     if values.shape != (len(lines), columns):

@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from beltsort.perception.formats.content import Content, UnreadableError
-from beltsort.perception.formats.lines import Line, is_number, lines_of, numbers, with_plain_nan
+from beltsort.perception.formats.lines import Line, Lines, is_number, lines_of, numbers, with_plain_nan
 
 COMMENTS = ("#", "//")
 ENCODINGS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
@@ -48,7 +50,7 @@ def parse_text(data: bytes) -> Content:
     if not rows:
         if any(not title.text.startswith(COMMENTS) for title in titles):
             raise _no_title(titles[0])
-        return Content(numbers([], 3))
+        return Content(np.empty((0, 3)))
     promised, first = None, rows[0]
     if first.text.isdecimal() and len(rows) > 1 and not rows[1].text.isdecimal():
         promised, rows = int(first.text), rows[1:]
@@ -75,11 +77,15 @@ def _decoded(data: bytes) -> str:
         ) from reason
 
 
-def _titles_and_rows(text: str) -> tuple[list[Line], list[Line]]:
+def _titles_and_rows(text: str) -> tuple[Sequence[Line], Lines]:
     """Return the lines in front of the first point, and the points without comments."""
+    lines = lines_of(text)
+    if not any(mark in text for mark in COMMENTS):
+        first = next((i for i, line in enumerate(lines) if _begins_with_number(line.text)), len(lines))
+        return lines[:first], lines[first:]
     titles: list[Line] = []
-    rows: list[Line] = []
-    for line in lines_of(text):
+    rows, places = list[str](), list[int]()
+    for line in lines:
         content = line.text
         for mark in COMMENTS:
             if mark in content:
@@ -88,10 +94,11 @@ def _titles_and_rows(text: str) -> tuple[list[Line], list[Line]]:
             if not rows:
                 titles.append(line)
         elif rows or _begins_with_number(content):
-            rows.append(Line(line.number, content))
+            rows.append(content)
+            places.append(line.number)
         else:
             titles.append(line)
-    return titles, rows
+    return titles, Lines(rows, places)
 
 
 def _begins_with_number(content: str) -> bool:

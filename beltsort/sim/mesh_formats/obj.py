@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from beltsort.perception.formats.content import UnreadableError
-from beltsort.perception.formats.lines import LINE_ENDS, is_number
+from beltsort.perception.formats.lines import is_number, split_lines
 from beltsort.sim.mesh_formats.polygons import Indices, Polygons
 
 FREE_FORM = {"curv", "curv2", "surf"}
@@ -46,7 +46,7 @@ def parse_obj(data: bytes) -> Polygons:
 def _records(text: str) -> Iterator[tuple[int, list[str]]]:
     """Yield the words of each line and its number; a line that ends in a backslash continues."""
     before: list[str] = []
-    for number, line in enumerate(LINE_ENDS.split(text), start=1):
+    for number, line in enumerate(split_lines(text), start=1):
         content = line.partition("#")[0].rstrip() if "#" in line else line.rstrip()
         if content.endswith("\\"):
             before += content[:-1].split()
