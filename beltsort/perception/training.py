@@ -1,5 +1,6 @@
 """A database from folders of clouds."""
 
+import warnings
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from beltsort.errors import CloudError
 from beltsort.geometry import Points
 from beltsort.perception.cameras import CameraPositions
-from beltsort.perception.checks import as_array
+from beltsort.perception.checks import FileWarning, as_array
 from beltsort.perception.clean import voxel_means
 from beltsort.perception.clouds import files_of, read_cloud, read_content
 from beltsort.perception.config import PerceptionConfig
@@ -27,6 +28,7 @@ from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.vfh import Histogram
 
 LARGEST_OBJECT = 2.0  # metres; a cloud beyond it is in other units, or a whole scene
+FARTHEST_CAMERA = 20.0  # metres; beyond it, the position of the camera is unknown, most likely
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,11 +96,20 @@ def read_view(path: str | PathLike[str], config: PerceptionConfig, positions: Ca
     Warns
     -----
     FileWarning
-        As `read_cloud`, and if the file's own VIEWPOINT is not used.
+        As `read_cloud`, if the file's own VIEWPOINT is not used, and if the camera is far away.
     """
     content = read_content(path)
     camera = positions.of(Path(path), content.camera)
-    return View(as_candidate(content.points, config), camera, camera is content.camera)
+    candidate = as_candidate(content.points, config)
+    distance = float(np.linalg.norm(candidate.mean(axis=0) - camera)) if camera.shape == (3,) else 0.0
+    if distance > FARTHEST_CAMERA:
+        warnings.warn(
+            f"{path}: the object is {distance:.4g} m from the camera, expected at most {FARTHEST_CAMERA:g} m: "
+            "if its points are in a world frame, give the camera's position (--viewpoint)",
+            FileWarning,
+            stacklevel=2,
+        )
+    return View(candidate, camera, camera is content.camera)
 
 
 def read_candidate(path: str | PathLike[str], config: PerceptionConfig) -> Points:

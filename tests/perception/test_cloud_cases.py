@@ -78,6 +78,11 @@ def test_large_coordinates_keep_their_millimetres() -> None:
     np.testing.assert_allclose(np.ptp(points, axis=0), np.ptp(PLAIN, axis=0), atol=1e-3)
 
 
+def test_a_camera_far_from_the_object_is_told() -> None:
+    with pytest.warns(FileWarning, match=r"utm\.pcd: .*--viewpoint"):
+        read_view(FOLDER / "utm.pcd", PerceptionConfig(), CameraPositions())
+
+
 def test_organised_arrays_with_a_fourth_column() -> None:
     np.testing.assert_allclose(read_cloud(FOLDER / "xyzw.npy"), PLAIN[:1080], atol=1e-7)
 

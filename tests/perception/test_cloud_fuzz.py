@@ -13,6 +13,8 @@ from beltsort.perception import read_cloud
 from tests.laws import cases
 from tests.perception.test_clouds import WRITERS
 
+pytestmark = pytest.mark.filterwarnings("ignore::beltsort.perception.FileWarning")
+
 PATCHES = st.tuples(st.floats(0.0, 1.0), st.binary(min_size=1, max_size=4))
 SUFFIXES = (".pcd", ".ply", ".xyz", ".npy")
 
