@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from beltsort.cellfile.description import CellDescription
 
 
+MOST_WARNINGS = 20
+
+
 def print_json(result: Mapping[str, Any]) -> None:
     """Print one JSON object."""
     print(json.dumps(result, indent=2, allow_nan=False))
@@ -29,14 +32,22 @@ def print_status(line: str) -> None:
 
 @contextmanager
 def warnings_on_lines() -> Iterator[None]:
-    """Print warnings as lines of their own, without the place in the code, each once."""
+    """Print the first warnings as lines of their own, without the place in the code, and count the others."""
+    given = 0
 
     def show(message: Warning | str, *_: object, **__: object) -> None:
-        print_status(f"beltsort: warning: {' '.join(str(message).split())}")
+        nonlocal given
+        given += 1
+        if given <= MOST_WARNINGS:
+            print_status(f"beltsort: warning: {' '.join(str(message).split())}")
 
     with warnings.catch_warnings():
         warnings.showwarning = show
-        yield
+        try:
+            yield
+        finally:
+            if given > MOST_WARNINGS:
+                print_status(f"beltsort: and {given - MOST_WARNINGS} more warnings")
 
 
 def print_table(rows: Sequence[Sequence[str]]) -> None:

@@ -104,8 +104,8 @@ def read_view(path: str | PathLike[str], config: PerceptionConfig, positions: Ca
     distance = float(np.linalg.norm(candidate.mean(axis=0) - camera)) if camera.shape == (3,) else 0.0
     if distance > FARTHEST_CAMERA:
         warnings.warn(
-            f"{path}: the object is {distance:.4g} m from the camera, expected at most {FARTHEST_CAMERA:g} m: "
-            "if its points are in a world frame, give the camera's position (--viewpoint)",
+            f"{path}: the object is {distance:.4g} m from the camera, expected at most {FARTHEST_CAMERA:g} "
+            "m: if its points are in a world frame, give the camera's position (--viewpoint)",
             FileWarning,
             stacklevel=2,
         )

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -258,3 +259,15 @@ def test_warnings_are_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert re.search(r"^beltsort: warning: \S+1\.pcd: 1 lines", lines[0])
     assert re.search(r"^beltsort: warning: .*1\.npy and 1\.pcd", lines[1])
     assert re.search(r"^1 of 7 files have a VIEWPOINT\b.*--viewpoint 0,0,0", lines[2])
+
+
+def test_many_warnings_are_counted(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copytree(folder, tmp_path / "clouds")
+    for seed in range(25):
+        path = tmp_path / "clouds" / "long" / f"more{seed}.npy"
+        np.save(path, cloud("long", seed))
+        path.write_bytes(path.read_bytes() + b"left over")
+    assert main(["train", str(tmp_path / "clouds"), "-o", str(tmp_path / "a.npz")]) == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert sum(line.startswith("beltsort: warning: ") for line in lines) == 20
+    assert lines[-1] == "beltsort: and 5 more warnings"

@@ -1,14 +1,21 @@
 """glTF files: Open3D reads them, and what it should have read is counted here."""
 
 import json
+import re
 from collections.abc import Iterator
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 
 from beltsort.perception.formats.content import UnreadableError
 from beltsort.sim.mesh_formats.polygons import Polygons
+
+MARKUP = re.compile(r"\x1b\[[\d;]*m|\[Open3D WARNING\]")
+"""Colours of a terminal, and the mark of a message."""
 
 
 def parse_gltf(data: bytes, path: Path) -> Polygons:
@@ -22,19 +29,35 @@ def parse_gltf(data: bytes, path: Path) -> Polygons:
     import open3d
 
     try:
-        promised = sum(_triangles(_content(data)))
-    except (ValueError, TypeError, KeyError, IndexError, RecursionError) as reason:
+        content = _content(data)
+        promised = sum(_triangles(content))
+        _check_readable(content, path.parent)
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as reason:
         raise UnreadableError("its description is damaged, expected glTF 2.0") from reason
-    # Open3D's messages go to standard output, which is the command's; what it lost is told by the count.
-    with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
+    # Open3D prints its messages, and a command's standard output is not the place for them.
+    with redirect_stdout(StringIO()) as printed:
         read = open3d.io.read_triangle_mesh(path)
+    said = " ".join(MARKUP.sub("", printed.getvalue()).split())
     vertices, triangles = np.asarray(read.vertices), np.asarray(read.triangles)
     if len(triangles) < promised:
         raise UnreadableError(
-            f"{len(triangles)} triangles could be read of {promised} in the file",
+            f"{len(triangles)} triangles could be read of {promised} in the file"
+            + (f" (Open3D says: {said})" if said else ""),
             remedy="export triangles without compression, with all buffers in the file or beside it",
         )
-    return Polygons.triangles(vertices, triangles.astype(np.int64))
+    notes = (f"Open3D says: {said}",) if said else ()
+    return Polygons.triangles(vertices, triangles.astype(np.int64), notes)
+
+
+def _check_readable(content: dict[str, Any], folder: Path) -> None:
+    """Refuse files whose triangles are compressed, or in a buffer that is not there."""
+    compressed = [name for name in content.get("extensionsRequired", []) if "compression" in name]
+    if compressed:
+        raise UnreadableError(f"it requires {', '.join(compressed)}", remedy="export it without compression")
+    uris = [buffer.get("uri", "data:") for buffer in content.get("buffers", [])]
+    missing = [uri for uri in uris if not (uri.startswith("data:") or (folder / unquote(uri)).is_file())]
+    if missing:
+        raise UnreadableError(f"its buffer {missing[0]!r} is missing", remedy="put it beside the file")
 
 
 def _content(data: bytes) -> dict[str, Any]:
