@@ -24,9 +24,9 @@ LARGEST_ERROR = 0.03
 DESCRIPTION = """
 Sort simulated objects of all classes from depth scans, and measure how often beliefs are true: a calibrated
 belief of 0.9 is true nine times in ten. All models sort the same objects. Also printed is how many right
-decisions the tables promise, that is with labels drawn from them. Without MODEL, three models of the simulated
-cell are compared: tables without and with the dependence of repeated looks (`repeat`), and tables with modes
-for labels with confidence levels.
+decisions the tables promise, that is with labels drawn from them. Without MODEL, three models of the
+simulated cell are compared: tables without and with the dependence of repeated looks (`repeat`), and tables
+with modes for labels with confidence levels.
 """
 
 

@@ -25,9 +25,9 @@ def add_parser(subparsers: Subparsers) -> None:
         help="label clouds with a trained classifier",
         description="Label point clouds, each of a single object; metres. Formats: .pcd, .ply, text (.xyz, "
         ".txt, .csv, .asc, .pts), .npy, and 16-bit depth images (.png) beside their intrinsics (see "
-        "docs/files.md). Clouds that cannot be labelled are named on standard error, and the exit code is 1. A "
-        "cloud that is farther from every training cloud than these are from each other is marked: it may be "
-        "of another object, of several, or of a whole scene.",
+        "docs/files.md). Clouds that cannot be labelled are named on standard error, and the exit code is 1. "
+        "A cloud that is farther from every training cloud than these are from each other is marked: it may "
+        "be of another object, of several, or of a whole scene.",
     )
     parser.add_argument("database", metavar="DB", help="a classifier that `beltsort train` wrote")
     parser.add_argument("clouds", metavar="CLOUD", nargs="+", type=Path, help="a point cloud file")

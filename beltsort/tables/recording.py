@@ -10,12 +10,12 @@ where `layout` has the fields of `beltsort.geometry.BeltLayout` (metres; missing
     {"file": "scan1.pcd", "viewpoint": "low", "classes": ["nut", null], "objects": ["nut 7", null],
      "world_from_camera": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}
 
-The file holds the whole scan in the camera frame, in a format that `beltsort.perception.read_cloud` reads (a
-depth image beside its intrinsics, for instance); its path starts at the folder. `classes` and `objects` have
-an entry for each position, the belt end first: the true class, and a name by which repeated scans of an
-object are recognised (null for both: nothing there, or the truth is not known). An object that was taken out
-and put back gets another name. A line may also have `modes`: a name for how each object lies or looks, which
-stays the same from scan to scan (null: not known).
+The file holds the whole scan in the camera frame, in a format that `beltsort.perception.read_cloud` reads
+(a depth image beside its intrinsics, for instance); its path starts at the folder. `classes` and `objects`
+have an entry for each position, the belt end first: the true class, and a name by which repeated scans of
+an object are recognised (null for both: nothing there, or the truth is not known). An object that was taken
+out and put back gets another name. A line may also have `modes`: a name for how each object lies or looks,
+which stays the same from scan to scan (null: not known).
 """
 
 import json
