@@ -5,6 +5,7 @@ beltsort plans where to look next and when to decide. Based on Mezei, Tamás & B
 conveyor belt using active perception with a POMDP model", ECC 2019.
 """
 
+from beltsort import models
 from beltsort._core import (
     ArgumentError,
     Belief,
@@ -53,5 +54,6 @@ __all__ = [
     "__version__",
     "compare",
     "evaluate",
+    "models",
     "solve",
 ]

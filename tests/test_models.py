@@ -1,9 +1,30 @@
 """The models that come with the package."""
 
-from beltsort import SortingModel, models
+from pathlib import Path
+
+import pytest
+
+import beltsort
+from beltsort import ModelError, SortingModel, models
+from beltsort.cli import main
 
 from .core.models import PAPER
 
 
 def test_the_papers_instance() -> None:
     assert models.paper() == SortingModel.load(PAPER)
+
+
+@pytest.mark.parametrize("name", models.PACKAGED)
+def test_packaged_models_by_name(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert beltsort.models.load(name) == models.PACKAGED[name]()
+    assert main(["plan", name, "--trials", "2"]) == 0
+    assert "Belief, position 0 at the belt end" in capsys.readouterr().out
+
+
+def test_a_file_of_that_name_comes_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    models.paper().replace(r_min=7).save("paper")
+    assert models.load("paper").r_min == 7.0
+    with pytest.raises(ModelError, match="papr: the model file cannot be read"):
+        models.load("papr")

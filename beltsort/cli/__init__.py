@@ -5,6 +5,7 @@ arguments that returns the exit code. Results are printed on standard output, ev
 error.
 """
 
+import os
 import shlex
 import signal
 import sys
@@ -84,16 +85,35 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with warnings_on_lines():
             code: int = arguments.run(arguments)
+            sys.stdout.flush()
+    except BrokenPipeError as error:
+        if not _stdout_closed():
+            return _failed(error)
+        return exit_codes.SIGNALLED + signal.SIGPIPE
     except CellFileError as error:  # one line for each problem
         print(f"beltsort: error: {arguments.cell} is not a valid cell file:\n{error}", file=sys.stderr)
         return exit_codes.WRONG
     except (BeltsortError, OSError, OverflowError) as error:
-        print("beltsort: error:", " ".join(str(error).split()), file=sys.stderr)
-        return code_of(error)
+        return _failed(error)
     except KeyboardInterrupt as interrupt:
         number = interrupt.signal if isinstance(interrupt, Interrupted) else signal.SIGINT
         return exit_codes.SIGNALLED + number
     return code
+
+
+def _failed(error: Exception) -> int:
+    print("beltsort: error:", " ".join(str(error).split()), file=sys.stderr)
+    return code_of(error)
+
+
+def _stdout_closed() -> bool:
+    """Return whether whoever read standard output has left; then nothing more is written there."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush at exit
+        return True
+    return False
 
 
 def code_of(error: Exception) -> int:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from beltsort import ArgumentError, Solution, SortingModel
+from beltsort import ArgumentError, Solution, SortingModel, models
 from beltsort._core import DEFAULT_BATCH_SIZE, DEFAULT_BATCHES
 from beltsort.errors import CloudError
 from beltsort.planning.named_policy import DEFAULT_TRIALS
@@ -27,9 +27,12 @@ def add_json(parser: ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print exactly one JSON object")
 
 
+MODEL_HELP = f"a model file (JSON), or the name of a packaged model: {', '.join(models.PACKAGED)}"
+
+
 def add_model(parser: ArgumentParser) -> None:
     """Add the model file and the options that modify the model."""
-    parser.add_argument("model", metavar="MODEL", help="a model file (JSON)")
+    parser.add_argument("model", metavar="MODEL", help=MODEL_HELP)
     parser.add_argument("--positions", type=int, metavar="H", help="keep the first H positions only")
     parser.add_argument(
         "--set",
@@ -48,7 +51,7 @@ def load_model(arguments: Namespace) -> SortingModel:
     ArgumentError
         If a change is not KEY=VALUE, or the key does not exist; the message names the nearest key.
     """
-    model = SortingModel.load(arguments.model)
+    model = models.load(arguments.model)
     if arguments.positions is not None:
         model = model.with_positions(arguments.positions)
     changes = dict(parse_change(change) for change in arguments.set)

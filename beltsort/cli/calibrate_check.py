@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from beltsort import ArgumentError, SortingModel
+from beltsort import ArgumentError, SortingModel, models
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.output import print_json, print_table
 from beltsort.cli.progress import tenths
@@ -111,7 +111,7 @@ def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel
     """Return the models by name and the classifier; the classifier is trained only if it is not given."""
     from beltsort.perception import NearestNeighbour
 
-    given = {name: SortingModel.load(name) for name in arguments.models}
+    given = {name: models.load(name) for name in arguments.models}
     if len(given) < len(arguments.models):
         raise ArgumentError(f"a model is named twice in {arguments.models}; name each once")
     if arguments.classifier is not None:

@@ -1,6 +1,8 @@
 """Models that come with the package."""
 
 from importlib.resources import files
+from os import PathLike
+from pathlib import Path
 
 from beltsort._core import SortingModel
 
@@ -39,3 +41,28 @@ def simulated() -> SortingModel:
     (True, True)
     """
     return SortingModel.from_json(files(__name__).joinpath("simulated_cell_modes.json").read_text("utf-8"))
+
+
+PACKAGED = {"paper": paper, "simulated": simulated}
+
+
+def load(name: str | PathLike[str]) -> SortingModel:
+    """Return the model in a file, or one that comes with the package.
+
+    Parameters
+    ----------
+    name
+        A model file (JSON), or `paper` or `simulated` where there is no file of this name.
+
+    Raises
+    ------
+    ModelError
+        As `SortingModel.load`.
+
+    Examples
+    --------
+    >>> load("paper") == paper()
+    True
+    """
+    packaged = PACKAGED.get(str(name))
+    return SortingModel.load(name) if packaged is None or Path(name).exists() else packaged()

@@ -1,6 +1,7 @@
 """The real command, run as a user runs it."""
 
 import json
+import os
 import re
 import signal
 import subprocess
@@ -27,6 +28,22 @@ def test_info() -> None:
     assert facts["packages"]["numpy"] == version("numpy")
     assert facts["threads"] >= 1
     assert re.search(rf"numpy +{re.escape(version('numpy'))}\n", output("info"))
+
+
+def test_a_reader_that_leaves_is_no_error() -> None:
+    """As `head` does once it has its lines."""
+    ours, theirs = os.pipe()
+    os.close(ours)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "beltsort", "plan", "paper", "--trials", "2"],
+            stdout=theirs,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+    finally:
+        os.close(theirs)
+    assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, "")
 
 
 def test_plan_says_the_same_as_the_library() -> None:
