@@ -6,6 +6,7 @@ error.
 """
 
 import os
+import select
 import shlex
 import signal
 import sys
@@ -108,12 +109,13 @@ def _failed(error: Exception) -> int:
 
 def _stdout_closed() -> bool:
     """Return whether whoever read standard output has left; then nothing more is written there."""
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush at exit
-        return True
-    return False
+    number = sys.stdout.fileno()
+    pipe = select.poll()
+    pipe.register(number, 0)  # errors are always told
+    if not any(event & select.POLLERR for _, event in pipe.poll(0)):
+        return False
+    os.dup2(os.open(os.devnull, os.O_WRONLY), number)  # for the flush at exit
+    return True
 
 
 def code_of(error: Exception) -> int:
