@@ -222,6 +222,11 @@ def test_a_torn_line_is_named(
     [
         ("a.csv", "time,x,y,z\n7,1,2,3\n8,4,5,6\n", None),
         ("a.csv", '"z [m]";"x [m]";"y [m]"\n3;1;2\n6;4;5\n', None),
+        ("a.csv", '"x","y","z"\n"1","2","3"\n"4","5","6"\n', None),
+        ("a.csv", '"Points:1","Points:0","Points:2"\n2,1,3\n5,4,6\n', None),
+        ("a.csv", "x,y,z\n1 2 3\n4 5 6\n", None),
+        ("a.xyz", "# gr\xf6\xdfe\n1 2 3\n4 5 6\n", None),
+        ("a.txt", "0,1 0,2 0,3\n", r"line 1: '0,1 0,2 0,3' has both.*decimal points"),
         ("a.pts", "2\n1 2 3 -100 1 1 1\n4 5 6 -100 1 1 1\n", None),
         ("a.xyz", "1 2 3 # the first\n\n4 5 6 // the second", None),
         ("a.csv", "time,east,north,up\n7,1,2,3\n", r"line 1: 'time,east,north,up'.*x, y and z"),
@@ -239,7 +244,7 @@ def test_a_torn_line_is_named(
 )
 def test_text(tmp_path: Path, name: str, content: str, said: str | None) -> None:
     if said is None:
-        assert np.array_equal(read(tmp_path / name, content.encode()), [[1, 2, 3], [4, 5, 6]])
+        assert np.array_equal(read(tmp_path / name, content.encode("latin-1")), [[1, 2, 3], [4, 5, 6]])
     else:
         with pytest.raises(CloudError, match=said):
             read(tmp_path / name, content.encode("latin-1"))

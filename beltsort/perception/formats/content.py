@@ -53,7 +53,7 @@ class Content:
 def expect(found: int, promised: int, what: str) -> None:
     """Raise `UnreadableError` if a file holds less than its header declares."""
     if found < promised:
-        raise UnreadableError(f"{found} {what} of data where the header promises {promised}")
+        raise UnreadableError(f"{found} {what} where the header promises {promised}")
 
 
 def left_over(rest: bytes, what: str) -> tuple[str, ...]:

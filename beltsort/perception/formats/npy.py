@@ -29,7 +29,7 @@ def parse_npy(data: bytes) -> Content:
         _check_plain(dtype, shape)
     body = data[start:]
     size = prod(shape) * dtype.itemsize
-    expect(len(body), size, "bytes")
+    expect(len(body), size, "bytes of data")
     values: NDArray[Any] = np.frombuffer(body, dtype, prod(shape))
     values = values.reshape(shape, order="F" if by_columns else "C")
     if axes:

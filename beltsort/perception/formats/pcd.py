@@ -145,7 +145,7 @@ def _text_columns(table: Table, data: bytes, header: Header) -> tuple[Columns, t
     widths = [table.record[name].shape[0] for name in names]
     firsts = dict(zip(names, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))
     lines = body_lines(data, header)
-    expect(len(lines), table.count, "lines")
+    expect(len(lines), table.count, "lines of data")
     values = numbers(lines[: table.count], sum(widths))
     more = len(lines) - table.count
     notes = (f"{more} lines behind the {table.count} points are not read",) if more else ()
@@ -154,7 +154,7 @@ def _text_columns(table: Table, data: bytes, header: Header) -> tuple[Columns, t
 
 def _binary_columns(table: Table, body: memoryview) -> tuple[Columns, tuple[str, ...]]:
     size = table.count * table.record.itemsize
-    expect(len(body), size, "bytes")
+    expect(len(body), size, "bytes of data")
     rows = np.frombuffer(body[:size], table.record, table.count)
     notes = left_over(bytes(body[size:]), f"the {table.count} points")
     return {name: rows[name][:, 0] for name in "xyz"}, notes
@@ -163,7 +163,7 @@ def _binary_columns(table: Table, body: memoryview) -> tuple[Columns, tuple[str,
 def _compressed_columns(table: Table, body: memoryview) -> tuple[Columns, tuple[str, ...]]:
     """Undo PCD's compression, which keeps all values of the first field before those of the next."""
     packed, unpacked = (int.from_bytes(body[i : i + 4], "little") for i in (0, 4))
-    expect(len(body) - 8, packed, "bytes")
+    expect(len(body) - 8, packed, "bytes of data")
     size = table.count * table.record.itemsize
     if unpacked != size:
         raise UnreadableError(f"{unpacked} bytes of data where the header promises {size}")

@@ -110,12 +110,12 @@ def read_ply(data: bytes) -> PlyFile:
     header = split_header(data, "end_header")
     if header.lines[0] != ["ply"]:
         raise UnreadableError("the first line is not 'ply'")
-    encodings = [words[1] for words in header.lines if words[0] == "format" and len(words) > 1]
-    if not encodings or encodings[0] not in ORDERS:
-        found = f"format {encodings[0]!r}" if encodings else "no line 'format'"
+    encoding = next((" ".join(words[1:2]).lower() for words in header.lines if words[0] == "format"), None)
+    if encoding not in ORDERS:
+        found = "no line 'format'" if encoding is None else f"format {encoding!r}"
         raise UnreadableError(f"the header has {found}, expected one of {', '.join(ORDERS)}")
-    elements = _declared(header.lines, ORDERS[encodings[0]])
-    reader = _TextBody(data, header) if encodings[0] == "ascii" else _BinaryBody(data, header)
+    elements = _declared(header.lines, ORDERS[encoding])
+    reader = _TextBody(data, header) if encoding == "ascii" else _BinaryBody(data, header)
     columns = {element.name: reader.columns(element) for element in elements}
     return PlyFile(columns, {element.name: element.count for element in elements}, reader.left_over())
 
@@ -156,7 +156,7 @@ class _BinaryBody:
         expect(
             len(self.data) - self.start,
             element.count * element.shortest,
-            f"bytes for element {element.name!r}",
+            f"bytes of element {element.name!r}",
         )
         if element.count == 0 or not element.properties:
             return {each.name: _nothing(each) for each in element.properties}
@@ -243,7 +243,7 @@ class _TextBody:
     def columns(self, element: Element) -> Columns:
         if not element.properties:
             return {}
-        expect(len(self.lines) - self.next, element.count, f"lines for element {element.name!r}")
+        expect(len(self.lines) - self.next, element.count, f"lines of element {element.name!r}")
         lines = self.lines[self.next : self.next + element.count]
         self.next += element.count
         if all(each.length is None for each in element.properties):

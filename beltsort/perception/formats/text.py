@@ -11,6 +11,7 @@ from beltsort.perception.formats.lines import Line, Lines, is_number, lines_of, 
 COMMENTS = ("#", "//")
 ENCODINGS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 """Encodings by the byte order mark at the start of a file."""
+PARAVIEW = {"points:0": "x", "points:1": "y", "points:2": "z"}
 SEPARATORS = (
     "separate numbers by blanks, tabs, commas or semicolons, with decimal points, and nothing after the last"
 )
@@ -67,14 +68,9 @@ def parse_text(data: bytes) -> Content:
 
 
 def _decoded(data: bytes) -> str:
+    """Return the text without quotes, which some writers put around every value; comments may be garbled."""
     encoding = next((name for mark, name in ENCODINGS.items() if data.startswith(mark)), "utf-8")
-    try:
-        return data.decode(encoding)
-    except UnicodeDecodeError as reason:
-        raise UnreadableError(
-            f"byte {reason.start} is no text, expected one point a line",
-            remedy="give the file the suffix of its format",
-        ) from reason
+    return data.decode(encoding, errors="replace").replace('"', "")
 
 
 def _titles_and_rows(text: str) -> tuple[Sequence[Line], Lines]:
@@ -119,16 +115,18 @@ def _layout(titles: Sequence[Line], row: Line) -> Layout:
     if not words[-1]:
         problem = f"it ends in {separator!r}, expected a number behind it"
         raise UnreadableError(problem, line=row.number, remedy=SEPARATORS)
-    for word in words:
-        if not is_number(word):
-            problem = f"{word[:40]!r} is no number"
-            raise UnreadableError(problem, line=row.number, remedy=SEPARATORS)
+    wrong = next((word for word in words if not is_number(word)), None)
+    if wrong is not None:
+        problem = f"{wrong[:40]!r} is no number"
+        if " " in wrong:
+            problem = f"{row.text[:40]!r} has both commas or semicolons and blanks between numbers"
+        raise UnreadableError(problem, line=row.number, remedy=SEPARATORS)
     if len(words) < 3:
         raise UnreadableError(
             f"{len(words)} columns, expected x, y and z", line=row.number, remedy=SEPARATORS
         )
     for title in reversed(titles):
-        names = _names(title, separator)
+        names = _names(title)
         if not set("xyz") <= set(names):
             continue
         if len(names) == len(words):
@@ -143,19 +141,19 @@ def _layout(titles: Sequence[Line], row: Line) -> Layout:
     return Layout(separator, len(words), (0, 1, 2))
 
 
-def _names(title: Line, separator: str | None) -> list[str]:
-    """Return the names of columns in a title, in lower case, without quotes and units in brackets.
+def _names(title: Line) -> list[str]:
+    """Return the names of columns in a title, in lower case, without units in brackets.
 
     Examples
     --------
-    >>> _names(Line(1, '//X Y Z'), None)
+    >>> _names(Line(1, "//X Y Z"))
     ['x', 'y', 'z']
-    >>> _names(Line(1, '"x [m]";"y [m]"'), ";")
-    ['x', 'y']
+    >>> _names(Line(1, "x [m];y [m];Points:2"))
+    ['x', 'y', 'z']
     """
-    text = title.text.lstrip("#/ \t")
-    words = text.split(separator) if separator is None or separator in text else text.split()
-    return [word.strip(" \t\"'").partition("[")[0].partition("(")[0].strip().lower() for word in words]
+    words = title.text.lstrip("#/ \t").split(_separator(title.text))
+    names = [word.partition("[")[0].partition("(")[0].strip().lower() for word in words]
+    return [PARAVIEW.get(name, name) for name in names]
 
 
 def _no_title(title: Line) -> UnreadableError:
