@@ -117,7 +117,11 @@ def as_obj(vertices: Points, faces: list[list[int]], style: str) -> bytes:
 
 def as_off(vertices: Points, faces: list[list[int]], style: str) -> bytes:
     counts = f"{len(vertices)} {len(faces)} 0"
-    titles = {"one line": [f"OFF {counts}"], "comments": ["# by hand", "OFF", "# counts", counts]}
+    titles = {
+        "one line": [f"OFF {counts}"],
+        "one word": [f"OFF{counts}"],
+        "comments": ["# by hand", "OFF", "# counts", counts],
+    }
     head = titles.get(style, ["OFF", counts])
     colour = " 255 0 0" if style == "colours" else ""
     rows = [" ".join(map(repr, vertex)) for vertex in vertices.tolist()]
@@ -148,7 +152,7 @@ WRITERS = {
         f"{style}.obj": as_obj
         for style in ("plain", "tabs", "relative", "texture", "normals", "broken", "faces first")
     },
-    **{f"{style}.off": as_off for style in ("plain", "one line", "comments", "colours")},
+    **{f"{style}.off": as_off for style in ("plain", "one line", "one word", "comments", "colours")},
     **{f"{style}.ply": as_ply for style in ("ascii", "binary_little_endian", "binary_big_endian")},
 }
 

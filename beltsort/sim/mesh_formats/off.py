@@ -8,7 +8,8 @@ from beltsort.perception.formats.content import UnreadableError
 from beltsort.perception.formats.lines import Line, is_number, lines_of
 from beltsort.sim.mesh_formats.polygons import Polygons
 
-KEY = re.compile(r"(ST)?C?N?OFF\b", re.IGNORECASE)
+KEY = re.compile(r"(ST)?C?N?OFF", re.IGNORECASE)
+"""The first word; the counts may follow it without a blank, as in ModelNet's files."""
 
 
 def parse_off(data: bytes) -> Polygons:
