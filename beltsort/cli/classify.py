@@ -64,8 +64,9 @@ def _match(database: NearestNeighbour, cloud: Path, positions: CameraPositions) 
         seen = read_view(cloud, database.config, positions)
         return database.classify(seen.points, seen.camera)
     except CloudError as reason:
-        named = str(cloud) in str(reason)
-        raise (reason if named else CloudError(f"{cloud}: {reason}")) from reason
+        if str(cloud) in str(reason):
+            raise
+        raise CloudError(f"{cloud}: {reason}") from reason
 
 
 def _as_json(match: Match, database: NearestNeighbour) -> dict[str, Any]:
