@@ -13,6 +13,7 @@ from beltsort.paper.beyond import beyond_claims
 from beltsort.paper.instances import FOUR, OBJECTS, TWO
 from beltsort.paper.labels import LEVEL as LABELS
 from beltsort.paper.labels import STUDY
+from beltsort.paper.modes import TOLERATED, mode_claims
 from beltsort.paper.outcomes import Row, only, select
 from beltsort.paper.policies import OPTIMUM, PLANNERS, PUBLISHED, RECOMMENDED, THRESHOLD
 from beltsort.paper.printed import R_MIN
@@ -21,9 +22,6 @@ from beltsort.paper.statistics import ClaimResult, conclude, difference, mean, s
 
 WANTED_SAVING = 0.10
 """Share of the steps that two positions should save."""
-
-TOLERATED = 0.1
-"""Objects of ten by which accuracy may fall and still count as equal."""
 
 POSITIONS = {1: "one position", 2: "two positions"}
 TABLES = {"paper": "the paper's tables", "cell": "the simulated cell's tables"}
@@ -52,6 +50,7 @@ def all_claims(rows: Sequence[Row], beyond: Sequence[Row], optimum: Sequence[Row
         _optimum(rows, optimum),
         *(result for row in optimum for result in _planning(row)),
         *_levels(rows),
+        *mode_claims(rows),
         *beyond_claims(beyond),
     ]
 

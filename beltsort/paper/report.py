@@ -15,11 +15,14 @@ from beltsort.paper.curves import SOURCES
 from beltsort.paper.design import QUICK, Design
 from beltsort.paper.figures import Picture
 from beltsort.paper.files import SMOOTHING, printed_numbers
+from beltsort.paper.labels import LEVEL as LABELS
+from beltsort.paper.modes import STUDY as MODES
 from beltsort.paper.optimum import losses_table
 from beltsort.paper.outcomes import plain_table, select
 from beltsort.paper.policies import PUBLISHED, RECOMMENDED
 from beltsort.paper.printed import R_MIN
 from beltsort.paper.run import Results
+from beltsort.paper.scans import LEVEL as SCANS
 from beltsort.paper.statistics import ClaimResult, Conclusion
 from beltsort.sim import CellConfig
 from beltsort.tables import Counts, table_one, table_two
@@ -45,6 +48,10 @@ PLANNERS_SHOWN = (
     "package's default: a search over exact beliefs that descends from it. Where labels are drawn from "
     "tables, both meet the same objects; depth scans, and the bonus for information, are planned with the "
     "recommended one only."
+)
+WITH_MODES = (
+    ("labels from the cell's tables with modes", {"level": LABELS, "study": MODES}),
+    ("depth scans of the cell, with modes and confidence levels", {"level": SCANS, "study": MODES}),
 )
 SHOWN = ("objects", "positions", "r_min", "policy", "batches")
 MEANS = ("steps", "positives", "negatives")
@@ -158,8 +165,10 @@ def _figure(picture: Picture, folder: Path) -> str:
 
 
 def _numbers(results: Results, discount: float) -> Iterable[str]:
-    for title, source in SOURCES:
+    for title, source in (*SOURCES, *WITH_MODES):
         rows = select(results.rows, discount=discount, r_min=R_MIN, **source)
+        if not rows:
+            continue
         rows.sort(
             key=lambda row: (row["objects"], row["policy"] != RECOMMENDED, row["policy"], row["positions"])
         )

@@ -6,11 +6,13 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from beltsort.models import simulated
 from beltsort.paper.beyond import beyond_points
 from beltsort.paper.claims import all_claims
 from beltsort.paper.design import Design
 from beltsort.paper.instances import PAPER
 from beltsort.paper.labels import label_points, simulate_labels
+from beltsort.paper.modes import mode_label_points, mode_scan_points
 from beltsort.paper.optimum import bound_optimum, optimum_points
 from beltsort.paper.outcomes import Point, Row, pooled
 from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
@@ -68,7 +70,7 @@ def cell_of(prepared: Prepared, folder: Path) -> PreparedCell:
     names = [viewpoint.name for viewpoint in config.viewpoints]
     note = "simulated cell: says what the simulator was set to"
     model = prepared.counts.model(config.classes, names, note=note)
-    return PreparedCell.stored(model, prepared.database, folder)
+    return PreparedCell.stored(model, prepared.database, folder, simulated())
 
 
 def run_experiments(
@@ -107,8 +109,11 @@ def run_experiments(
         If the seed is negative or `workers` is below 1.
     """
     stages: dict[str, tuple[Task, list[Point]]] = {
-        "labels": (simulate_labels, label_points(design, seed, (PAPER, cell.instance))),
-        "scans": (sort_scans, scan_points(design, seed, cell)),
+        "labels": (
+            simulate_labels,
+            label_points(design, seed, (PAPER, cell.instance)) + mode_label_points(design, seed, cell),
+        ),
+        "scans": (sort_scans, scan_points(design, seed, cell) + mode_scan_points(design, seed, cell)),
         "beyond": (simulate_labels, beyond_points(design, seed)),
         "optimum": (bound_optimum, optimum_points(design, seed)),
     }

@@ -4,7 +4,7 @@ They take much longer than labels from tables, and are run with the recommended 
 """
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -38,13 +38,22 @@ class PreparedCell:
         The tables.
     database
         The classifier's file; its name contains a hash of its content.
+    modes
+        Tables of the same cell with modes, for labels with confidence levels; None: these are left out.
     """
 
     instance: Instance
     database: Path
+    modes: Instance | None = None
 
     @classmethod
-    def stored(cls, model: SortingModel, database: NearestNeighbour, folder: Path) -> "PreparedCell":
+    def stored(
+        cls,
+        model: SortingModel,
+        database: NearestNeighbour,
+        folder: Path,
+        modes: SortingModel | None = None,
+    ) -> "PreparedCell":
         """Write the classifier into a folder."""
         folder.mkdir(parents=True, exist_ok=True)
         content = hashlib.sha256(database.descriptors.tobytes() + np.asarray(database.labels).tobytes())
@@ -53,17 +62,24 @@ class PreparedCell:
             half_done = path.with_name(f"half-done-{path.name}")
             database.save(half_done)
             half_done.replace(path)
-        return cls(Instance("cell", model), path)
+        return cls(Instance("cell", model), path, None if modes is None else Instance("cell_modes", modes))
+
+    @property
+    def with_modes(self) -> "PreparedCell | None":
+        """The cell with the tables with modes in place of the others, or None."""
+        return None if self.modes is None else replace(self, instance=self.modes)
 
 
-def scan_points(design: Design, seed: int, cell: PreparedCell) -> list[Point]:
-    """Return a point per batch: one and two positions, both sets of objects."""
+def scan_points(
+    design: Design, seed: int, cell: PreparedCell, r_mins: Sequence[float] | None = None
+) -> list[Point]:
+    """Return a point per batch: one and two positions, both sets of objects, all penalties or some."""
     return [
         scan_point(design, seed, cell, positions, r_min, batch)
         | {"objects": objects.name, "classes": list(objects.classes)}
         for objects in OBJECTS
         for positions in (1, 2)
-        for r_min in design.r_min_scans
+        for r_min in (design.r_min_scans if r_mins is None else r_mins)
         for batch in range(design.batches_scans)
     ]
 

@@ -51,7 +51,7 @@ class ModeSettings:
 
     smoothing: float | Array = 1.0
     pseudo_looks: float = 8.0
-    position_looks: float = 32.0
+    position_looks: float = 200.0
     pseudo_objects: float = 1.0
     starts: int = 10
     seed: int = 0

@@ -6,10 +6,14 @@ import pytest
 import beltsort
 from beltsort.calibration.check import Arm
 from beltsort.calibration.dependence import ObjectLooks, dependences
+from beltsort.calibration.promise import promises
 from beltsort.calibration.reliability import Pairs, reliability
 from beltsort.calibration.simulated_runs import simulate_runs
 from beltsort.calibration.sorted_runs import SortedRun, run_in
+from beltsort.models import simulated
+from beltsort.perception import rule_of
 from beltsort.planning.decisions import right_bins
+from beltsort.sim import CellConfig
 from beltsort.sorting.entries import AnyContent, Decided, Scanned, Started
 from beltsort.sorting.journal import Entry
 from tests.sorting.plant import plant
@@ -90,3 +94,29 @@ def test_an_object_in_the_reject_bin_is_not_right() -> None:
     model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
     run = SortedRun.of(model, [0, 1], 4, [(0, None, 0.6), (1, 1, 0.9)], [])
     assert (run.right, run.correct, run.confusion) == ((False, True), 1, ((0, 0), (0, 1)))
+
+
+def test_a_promise_is_kept_where_the_tables_are_true_and_not_where_looks_repeat() -> None:
+    model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]] * 2)
+    runs = {
+        "true": simulate_runs(model, objects=300, seed=1, workers=1),
+        "repeating": simulate_runs(
+            model, objects=300, seed=1, truth=model.replace(repeat=[[0.9]] * 2), workers=1
+        ),
+    }
+    arms = {name: Arm.of(sorted_runs) for name, sorted_runs in runs.items()}
+    found = promises(dict.fromkeys(arms, model), arms, objects=300, seed=2, workers=1)
+    lower, upper = found["true"].interval
+    assert lower < 0.0 < upper
+    assert found["repeating"].interval[1] < -0.1
+    assert found["true"].promised == found["repeating"].promised
+    assert found["true"].to_dict()["right"] == pytest.approx(10 * arms["true"].right.mean())
+
+
+def test_the_packaged_model_with_modes_is_of_the_default_cell() -> None:
+    model, config = simulated(), CellConfig()
+    assert tuple(model.classes) == config.classes
+    assert model.viewpoints == [viewpoint.name for viewpoint in config.viewpoints]
+    assert model.positions == config.layout.positions
+    assert rule_of(model).levels > 1
+    assert "beltsort estimate simulated" in model.note

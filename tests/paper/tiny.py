@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import beltsort
+from beltsort.models import simulated
 from beltsort.paper import QUICK, Instance, PreparedCell, Results, run_experiments
 
 SEED = 3
@@ -31,7 +32,8 @@ TINY = replace(
 
 
 def run(model: Path, database: Path, folder: Path, workers: int) -> Results:
-    cell = PreparedCell(Instance("cell", beltsort.SortingModel.load(model)), database)
+    tables = beltsort.SortingModel.load(model)
+    cell = PreparedCell(Instance("cell", tables), database, Instance("cell_modes", simulated()))
     return run_experiments(cell, folder, TINY, seed=SEED, workers=workers)
 
 
