@@ -8,7 +8,7 @@
 //! | paper | here |
 //! |---|---|
 //! | scenario `phi`, simulative model `g(s, a, phi)` | [`Scenarios`], [`Step`] |
-//! | node `b` with `Phi_b`, `l_0`, `l`, `mu`, `U`, `Delta` | [`tree::Node`]; its values are weighted by `gamma^Delta(b) \|Phi_b\| / K` as there |
+//! | node `b` with `Phi_b`, `l_0`, `l`, `mu`, `U`, `Delta` | [`node::Node`]; its values are weighted by `gamma^Delta(b) \|Phi_b\| / K` as there |
 //! | Algorithm 1, BUILD-DESPOT | [`Search::build_despot`]; lines 1-3 are [`Search::begin`] |
 //! | Algorithm 2, EXPLORE | [`Search::explore`] |
 //! | its line 3, expand `b` | [`Search::make_children`]; `U`, `L_0`, `mu`, `l` of a new node: [`Search::initialise`] |
@@ -26,7 +26,8 @@
 //! * The default policy's roll-outs are not simulated: it is valued in closed form on the class histograms of a node's
 //!   scenarios, objects that have still to arrive by the model alone. So only expansions count as scenario steps.
 //! * A set of scenarios is a bit plane of which only words with any bits are kept; an observation branch is an AND
-//!   with the plane of a label, a class histogram counts bits.
+//!   with the plane of a label, a class histogram counts bits. Most nodes have only few scenarios, which are gone
+//!   through [one by one](groups::FEW) instead, and most new ones a single scenario, whose value is looked up.
 //! * The root is expanded whatever the budget, so that every legal action has a value.
 //! * The first trials are those of Algorithm 1. Later ones come in [batches](batch) that threads share, with a virtual loss
 //!   as in HyP-DESPOT (Cai, Luo, Hsu & Lee, RSS 2018). The size of a batch depends on the trials done alone: a plan is
@@ -34,6 +35,8 @@
 
 mod batch;
 mod bounds;
+mod groups;
+mod node;
 mod plan;
 mod step;
 mod tree;
@@ -43,11 +46,13 @@ use crate::index::{Position, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::planes;
 use crate::remaining::Remaining;
+use crate::sampling::Thresholds;
 use crate::scenario::Scenarios;
 use bounds::{Bounds, Histogram};
+use node::{EdgeId, Node, NodeId, Place, ROOT, Values, Word};
 pub use plan::{BudgetedDespot, Despot};
-use step::{MakeChildren, Scratch, Step, count};
-use tree::{EdgeId, Node, NodeId, ROOT, Tree, Values, Word, first_best};
+use step::{Buffers, MakeChildren, Scratch, Step, count};
+use tree::{Tree, first_best};
 
 /// `xi`: the part of the root's gap that one trial tries to leave.
 const XI: f64 = 0.95;
@@ -62,6 +67,7 @@ const MOST_AT_ONCE: u64 = 64;
 struct Search<'a> {
     model: &'a SortingModel,
     bounds: &'a Bounds,
+    thresholds: &'a Thresholds,
     scenarios: Scenarios<'a>,
     /// Objects left to decide at the root.
     remaining: Remaining,
@@ -96,11 +102,12 @@ impl Search<'_> {
 
     /// The root with all its scenarios, and its actions.
     fn begin(&self, despot: &mut Tree, belief: &Belief, viewpoint: Viewpoint) {
-        despot.restart(self.model, belief);
         let fresh = self.model.viewpoints().all(|v| belief.last_label(self.model, Position(0), v).is_none());
         let all: Vec<Word> = (0..).zip(planes::first(self.scenarios.count())).collect();
-        let root = Node { viewpoint, fresh, count: count(&all), ..Node::default() };
-        despot.add_node(self.initialise(root, &all, &mut Default::default()), &all);
+        let place = Place { viewpoint, fresh, ..Place::default() };
+        despot.restart(self.model, belief, place);
+        let root = Node { count: count(&all), ..Node::default() };
+        despot.add_node(self.initialise(root, &place, &all, &mut Buffers::default()), &all);
         self.make_children(despot, ROOT);
     }
 
@@ -163,7 +170,7 @@ impl Search<'_> {
 
     /// BACKUP: Bellman's equation for `l`, `mu` and `U` on the path from `b` to the root.
     fn backup(&self, despot: &mut Tree, mut b: NodeId) {
-        while let Some(a) = despot[b].parent {
+        while let Some(a) = despot.edge_into(b) {
             self.sum_children(despot, a);
             b = despot[a].from;
             Self::take_best(despot, b);
@@ -193,31 +200,32 @@ impl Search<'_> {
     /// Each action is simulated in all scenarios of `b`.
     #[inline(always)]
     fn simulate_actions(&self, despot: &mut Tree, b: NodeId) {
-        let (node, mut scratch) = (despot[b], std::mem::take(&mut despot.scratch));
+        let (node, place, mut scratch) = (despot[b], despot.place(b), std::mem::take(&mut despot.scratch));
         scratch.set.clear();
         scratch.set.extend_from_slice(despot.scenarios(b));
-        let (bin, earned) = self.best_decision(&node, &mut scratch);
-        let moves = self.model.legal_moves(node.viewpoint).iter().map(|to| Action::Move(*to));
+        let (bin, earned) = self.best_decision(&node, &place, &mut scratch);
+        let weight = self.weight(&node, &place);
+        let moves = self.model.legal_moves(place.viewpoint).iter().map(|to| Action::Move(*to));
         for action in std::iter::once(Action::Decide(bin)).chain(moves) {
             let (first, a) = (despot.size(), despot.next_edge());
-            let step = Step::of(self.model, &node, action, self.remaining.after(node.decisions));
-            let child = step.child(&node, a);
-            if step.scanned.is_some() {
-                self.observe(despot, (b, step), &mut scratch);
-                let Scratch { groups: [groups, _], bounds, .. } = &mut scratch;
+            let step = Step::of(self.model, &place, action, self.remaining.after(place.decisions));
+            let child = Node { parent: a, ..Node::default() };
+            if let Some(scanned) = step.scanned {
+                self.observe(despot, (b, &step.to, scanned), &mut scratch);
+                let Scratch { groups, buffers, .. } = &mut scratch;
                 for (labels, scenarios, count) in groups.iter() {
-                    let child = Node { labels: Some(labels), count, ..child };
-                    despot.add_node(self.initialise(child, scenarios, bounds), scenarios);
+                    let child = Node { count, labels, ..child };
+                    despot.add_node(self.initialise(child, &step.to, scenarios, buffers), scenarios);
                 }
             } else {
                 let child = Node { count: node.count, ..child };
-                despot.add_node_like(self.initialise(child, &scratch.set, &mut scratch.bounds), b);
+                despot.add_node_like(self.initialise(child, &step.to, &scratch.set, &mut scratch.buffers), b);
             }
             let reward = match action {
                 Action::Decide(_) => earned,
-                Action::Move(to) => -self.model.motion_cost(node.viewpoint, to),
+                Action::Move(to) => -self.model.motion_cost(place.viewpoint, to),
             };
-            despot.add_edge(b, action, self.weight(&node) * reward, first);
+            despot.add_edge(b, (action, step.to), weight * reward, first);
             self.sum_children(despot, a);
             despot.tally.scenario_steps += u64::from(node.count);
         }
@@ -227,10 +235,10 @@ impl Search<'_> {
 
     /// `L_0` and `U_0` of a new node, and the values they give.
     #[inline(always)]
-    fn initialise(&self, node: Node, scenarios: &[Word], scratch: &mut [Vec<f64>; 2]) -> Node {
-        let (weight, remaining) = (self.weight(&node), self.remaining.after(node.decisions));
-        let default = weight * self.default_policy(&node, scenarios, scratch).0;
-        let utility = if node.depth < self.depth { weight * self.bounds.upper(remaining) } else { default };
+    fn initialise(&self, node: Node, at: &Place, scenarios: &[Word], buffers: &mut Buffers) -> Node {
+        let (weight, remaining) = (self.weight(&node, at), self.remaining.after(at.decisions));
+        let default = weight * self.default_value((node.count, at), scenarios, buffers);
+        let utility = if at.depth < self.depth { weight * self.bounds.upper(remaining) } else { default };
         let upper = default.max(utility - self.lambda);
         Node { default, values: Values { lower: default, upper, utility }, ..node }
     }

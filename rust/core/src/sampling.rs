@@ -59,6 +59,75 @@ pub(crate) fn label(model: &SortingModel, look: Look, kind: Kind, u: f64) -> Lab
     Label(invert(model.label_distribution(look, kind), u))
 }
 
+/// A probability in units of 2^-32. What rounding leaves of 1 belongs to the last outcome.
+pub(crate) fn threshold(cumulated: f64) -> u64 {
+    const NEARLY_ONE: f64 = 1.0 - 1e-9;
+    let scale = (1_u64 << 32) as f64;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 0 and 2^32
+    let threshold = (cumulated * scale).round() as u64;
+    if cumulated > NEARLY_ONE { 1 << 32 } else { threshold }
+}
+
+/// Thresholds of all looks, in units of 2^-32: a random selects the label whose number is that of the thresholds up to it.
+#[derive(Debug)]
+pub(crate) struct Thresholds {
+    /// Of all labels but the last, numbered by position, viewpoint, last label and kind.
+    values: Vec<u64>,
+    viewpoints: usize,
+    /// 1, or how many last labels there are, none included.
+    lasts: usize,
+    kinds: usize,
+    /// Labels but the last.
+    steps: usize,
+}
+
+impl Thresholds {
+    pub(crate) fn new(model: &SortingModel) -> Self {
+        let steps = model.label_count() - 1;
+        let mut values = Vec::new();
+        let lasts = if model.ever_repeats() { model.label_count() } else { 0 };
+        for (position, viewpoint) in model.positions().flat_map(|j| model.viewpoints().map(move |v| (j, v))) {
+            for last in std::iter::once(None).chain((0..lasts).map(|z| Some(Label(z)))) {
+                for kind in model.kinds() {
+                    let of_look = model.label_distribution(Look { position, viewpoint, last }, kind);
+                    let cumulated = of_look.scan(0.0, |sum, p| {
+                        *sum += p;
+                        Some(threshold(*sum))
+                    });
+                    values.extend(cumulated.take(steps));
+                }
+            }
+        }
+        let (viewpoints, kinds) = (model.viewpoint_count(), model.kind_count());
+        Self { values, viewpoints, lasts: lasts + 1, kinds, steps }
+    }
+
+    /// Those of a look at an object of each kind, in their order.
+    #[inline(always)]
+    pub(crate) fn of(&self, Look { position, viewpoint, last }: Look) -> LookThresholds<'_> {
+        let look = position.0 * self.viewpoints + viewpoint.0;
+        let number = look * self.lasts + last.map_or(0, |label| label.0 + 1);
+        let size = self.kinds * self.steps;
+        LookThresholds { values: &self.values[number * size..][..size], steps: self.steps }
+    }
+}
+
+/// Thresholds of one look.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LookThresholds<'a> {
+    values: &'a [u64],
+    steps: usize,
+}
+
+impl LookThresholds<'_> {
+    /// The label that a random selects.
+    #[inline(always)]
+    pub(crate) fn label(self, kind: usize, random: u32) -> u64 {
+        let up_to = |threshold: &u64| u64::from(u64::from(random) >= *threshold);
+        self.values[kind * self.steps..][..self.steps].iter().map(up_to).sum()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

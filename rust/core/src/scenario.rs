@@ -13,7 +13,7 @@ use crate::belief::Belief;
 use crate::index::{Label, Position};
 use crate::model::{Look, SortingModel};
 use crate::planes;
-use crate::sampling::{Purpose, stream};
+use crate::sampling::{Purpose, stream, threshold};
 
 /// Depths whose randoms are drawn together.
 const DEPTHS: usize = 16;
@@ -125,7 +125,7 @@ pub(crate) struct LookPoint {
 
 impl LookPoint {
     /// The object looked at, by its place on the belt.
-    fn object(self) -> usize {
+    pub(crate) fn object(self) -> usize {
         self.decisions + self.look.position.0
     }
 }
@@ -145,6 +145,11 @@ pub(crate) struct Scenarios<'a> {
     words: usize,
     /// Per object on the belt.
     objects: Vec<OnceLock<Planes>>,
+    /// The same as numbers: the kind in each scenario.
+    kinds: Vec<OnceLock<Vec<u32>>>,
+    /// Per number of decisions: the kinds at the positions in each scenario, see [`Scenarios::marks`].
+    marks: Vec<OnceLock<Vec<u64>>>,
+    joint_kinds: Vec<OnceLock<Vec<u32>>>,
     /// Per depth its looks, numbered by decisions, viewpoint, position and last label.
     looks: Vec<OnceLock<Vec<OnceLock<Planes>>>>,
 }
@@ -165,6 +170,9 @@ impl<'a> Scenarios<'a> {
             belief,
             words: planes::words(randoms.count),
             objects: std::iter::repeat_with(OnceLock::new).take(objects).collect(),
+            kinds: std::iter::repeat_with(OnceLock::new).take(objects).collect(),
+            marks: std::iter::repeat_with(OnceLock::new).take(depth + 1).collect(),
+            joint_kinds: std::iter::repeat_with(OnceLock::new).take(depth + 1).collect(),
             looks: std::iter::repeat_with(OnceLock::new).take(depth).collect(),
         }
     }
@@ -179,9 +187,67 @@ impl<'a> Scenarios<'a> {
         self.model.kind_count()
     }
 
+    /// Number of labels.
+    pub(crate) fn label_count(&self) -> usize {
+        self.model.label_count()
+    }
+
     /// Words of a plane.
     pub(crate) fn words(&self) -> usize {
         self.words
+    }
+
+    /// The kind of the n-th object on the belt in each scenario.
+    pub(crate) fn kind_list(&self, object: usize) -> &[u32] {
+        self.kinds[object].get_or_init(|| {
+            let mut list = vec![0; self.words * planes::LANES];
+            pulp::Arch::new().dispatch(Listing { planes: self.kinds(object), list: &mut list });
+            list
+        })
+    }
+
+    /// The randoms behind the labels of a look, one per scenario.
+    pub(crate) fn label_randoms(&self, at: LookPoint) -> &[u32] {
+        self.randoms.reach(at.depth, false);
+        self.randoms.label(at.depth, at.look.position)
+    }
+
+    /// The kinds at the positions after so many decisions, [`Scenarios::mark_words`] words per scenario: a byte for each
+    /// position and kind, 1 where the object there is of that kind. So the sum over up to 255 scenarios is their histogram.
+    pub(crate) fn marks(&self, decisions: usize) -> &[u64] {
+        self.marks[decisions].get_or_init(|| {
+            let (stride, kinds) = (self.mark_words(), self.model.kind_count());
+            let mut marks = vec![0; stride * self.words * planes::LANES];
+            for position in 0..self.model.position_count() {
+                let list = self.kind_list(decisions + position);
+                for (marks, kind) in marks.chunks_exact_mut(stride).zip(list) {
+                    let byte = position * kinds + *kind as usize;
+                    marks[byte / 8] |= 1 << (byte % 8 * 8);
+                }
+            }
+            marks
+        })
+    }
+
+    /// The kinds at the positions after so many decisions in each scenario, as one number: digits in base N, the belt
+    /// end's last. Only for models in which 32 bits hold it.
+    pub(crate) fn joint_kinds(&self, decisions: usize) -> &[u32] {
+        self.joint_kinds[decisions].get_or_init(|| {
+            #[allow(clippy::cast_possible_truncation)] // see above
+            let (mut joint, kinds) = (vec![0; self.words * planes::LANES], self.kind_count() as u32);
+            for position in self.model.positions().rev() {
+                let list = self.kind_list(decisions + position.0);
+                for (joint, kind) in joint.iter_mut().zip(list) {
+                    *joint = *joint * kinds + kind;
+                }
+            }
+            joint
+        })
+    }
+
+    /// Words for the marks of one scenario.
+    pub(crate) fn mark_words(&self) -> usize {
+        (self.model.position_count() * self.model.kind_count()).div_ceil(8)
     }
 
     /// The plane of each kind of the n-th object on the belt.
@@ -259,11 +325,24 @@ impl<D: Iterator<Item = f64>> pulp::NullaryFnOnce for Inversion<'_, D> {
     }
 }
 
-/// A probability in units of 2^-32. What rounding leaves of 1 belongs to the last outcome.
-fn threshold(cumulated: f64) -> u64 {
-    const NEARLY_ONE: f64 = 1.0 - 1e-9;
-    let scale = (1_u64 << 32) as f64;
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 0 and 2^32
-    let threshold = (cumulated * scale).round() as u64;
-    if cumulated > NEARLY_ONE { 1 << 32 } else { threshold }
+/// The outcome of each scenario, given the plane of each.
+struct Listing<'a> {
+    planes: &'a [u64],
+    list: &'a mut [u32],
+}
+
+impl pulp::NullaryFnOnce for Listing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let words = self.list.len() / planes::LANES;
+        for (outcome, plane) in (0..).zip(self.planes.chunks_exact(words)) {
+            for (word, entries) in plane.iter().zip(self.list.chunks_exact_mut(planes::LANES)) {
+                for (lane, entry) in entries.iter_mut().enumerate() {
+                    *entry |= outcome * u32::from(word >> lane & 1 == 1);
+                }
+            }
+        }
+    }
 }

@@ -6,7 +6,8 @@
 
 use rayon::prelude::*;
 
-use super::tree::{NodeId, ROOT, Tree};
+use super::node::{NodeId, ROOT};
+use super::tree::Tree;
 use super::{Search, XI};
 
 /// The leaf that a trial has come to, and what it aims at.

@@ -12,6 +12,8 @@ const NEGLIGIBLE: f64 = 1e-10;
 /// Largest number of objects whose value is not taken as that of endlessly many.
 const MOST_OBJECTS: f64 = 20_000.0;
 
+/// Values that are kept for known kinds at most.
+const MOST_CERTAIN: usize = 1 << 16;
 /// Sweeps for the cost of looking for ever.
 const MOST_SWEEPS: usize = 10_000;
 
@@ -32,6 +34,9 @@ pub(super) struct Bounds {
     unseen: Vec<Vec<f64>>,
     /// `[objects]`: deciding so many objects right, one a step; the last for endlessly many.
     knowing: Vec<f64>,
+    /// The default policy's value on an endless belt if all kinds are known, as in a single scenario: entry
+    /// `(2 * viewpoint + fresh) * N^H + kinds`, kinds as digits in base N, the belt end's last. None if they are many.
+    certain: Vec<f64>,
 }
 
 /// Looks at the object at the belt end, then the decision by their labels.
@@ -72,6 +77,7 @@ impl Bounds {
             forever: Vec::new(),
             unseen: Vec::new(),
             knowing: knowing.take(objects).chain([most / (1.0 - spec.discount)]).collect(),
+            certain: Vec::new(),
         };
         let mut best = f64::NEG_INFINITY;
         for target in model.viewpoints() {
@@ -85,7 +91,38 @@ impl Bounds {
                 }
             }
         }
+        bounds.certain = bounds.values_of_certainty();
         bounds
+    }
+
+    fn values_of_certainty(&self) -> Vec<f64> {
+        let Some(vectors) = kind_vectors(&self.model) else { return Vec::new() };
+        let (kinds, mut scratch) = (self.model.kind_count(), Vec::new());
+        let mut value = |viewpoint: Viewpoint, fresh: bool, vector: usize| {
+            let known = self.model.positions().scan(vector, |rest, _| {
+                let kind = *rest % kinds;
+                *rest /= kinds;
+                Some(kind)
+            });
+            let shares: Vec<f64> = known
+                .flat_map(|known| (0..kinds).map(move |kind| f64::from(u8::from(kind == known))))
+                .collect();
+            let at = Histogram { shares: &shares, remaining: Remaining::ENDLESS, viewpoint, fresh };
+            self.default_policy(&at, &mut scratch).0
+        };
+        let mut values = Vec::new();
+        for (viewpoint, fresh) in self.model.viewpoints().flat_map(|v| [(v, false), (v, true)]) {
+            values.extend((0..vectors).map(|vector| value(viewpoint, fresh, vector)));
+        }
+        values
+    }
+
+    /// The value of [`Bounds::default_policy`] in a single scenario on an endless belt, if it is kept.
+    #[inline(always)]
+    pub(super) fn certain(&self, viewpoint: Viewpoint, fresh: bool) -> Option<&[f64]> {
+        let vectors = self.certain.len() / (2 * self.looks.len());
+        let first = (2 * viewpoint.0 + usize::from(fresh)) * vectors;
+        (vectors > 0).then(|| &self.certain[first..][..vectors])
     }
 
     /// What so many objects would be worth to who knows their classes: the fully observable upper bound.
@@ -99,14 +136,17 @@ impl Bounds {
         let unseen = &self.unseen[self.number(at.remaining.unseen(self.model.position_count()))];
         let visible = at.remaining.visible(self.model.position_count());
         // Entry i: the value with the camera where i rounds of looks have left it.
-        let after = |viewpoint: &Viewpoint| Some(self.looks[viewpoint.0].end);
-        let viewpoints = || std::iter::successors(Some(at.viewpoint), after);
         scratch.clear();
-        scratch.extend(viewpoints().take(visible + 1).map(|viewpoint| unseen[viewpoint.0]));
+        let mut viewpoint = at.viewpoint;
+        for _ in 0..=visible {
+            scratch.push(unseen[viewpoint.0]);
+            viewpoint = self.looks[viewpoint.0].end;
+        }
         let mut action = Action::Decide(Bin(0));
         for (position, shares) in at.shares.chunks_exact(self.model.kind_count()).enumerate().rev() {
             let (bin, reward) = self.model.best_decision(shares);
-            for (round, viewpoint) in viewpoints().take(position + 1).enumerate() {
+            let mut viewpoint = at.viewpoint;
+            for round in 0..=position {
                 let looks = &self.looks[viewpoint.0];
                 let decided = reward + self.model.discount() * scratch[round];
                 let mut looked = self.forever[viewpoint.0];
@@ -118,6 +158,7 @@ impl Bounds {
                     Some(first) if looked > decided => Action::Move(first),
                     _ => Action::Decide(bin),
                 };
+                viewpoint = looks.end;
             }
         }
         (scratch[0], action)
@@ -134,6 +175,13 @@ impl Looks {
     fn value(&self, shares: &[f64]) -> f64 {
         self.worth.iter().zip(shares).map(|(worth, share)| worth * share).sum()
     }
+}
+
+/// Vectors of kinds at all positions, if values of all of them from everywhere are few enough to keep.
+fn kind_vectors(model: &SortingModel) -> Option<usize> {
+    let positions = u32::try_from(model.position_count()).ok()?;
+    let vectors = model.kind_count().checked_pow(positions)?;
+    (vectors.saturating_mul(2 * model.viewpoint_count()) <= MOST_CERTAIN).then_some(vectors)
 }
 
 /// Label sequences of so many looks.

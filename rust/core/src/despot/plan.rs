@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use super::tree::{ROOT, Tree};
+use super::node::ROOT;
+use super::tree::Tree;
 use super::{Bounds, Search};
 use crate::belief::Belief;
 use crate::config::{Budget, DespotConfig};
@@ -13,10 +14,11 @@ use crate::index::{Bin, Viewpoint};
 use crate::model::{Action, SortingModel};
 use crate::plan::Plan;
 use crate::policy::Policy;
+use crate::sampling::Thresholds;
 use crate::scenario::{Randoms, Scenarios};
 
 /// Nodes whose memory is kept for the next plan at most.
-const MOST_KEPT: usize = 1_000_000;
+const MOST_KEPT: usize = 2_000_000;
 
 /// DESPOT as published, with a model and the settings of the search. A clone shares memory, not plans.
 #[derive(Debug, Clone)]
@@ -26,6 +28,7 @@ pub struct Despot {
     depth: usize,
     discounts: Vec<f64>,
     bounds: Arc<Bounds>,
+    thresholds: Arc<Thresholds>,
     pub(super) randoms: Arc<Randoms>,
     /// What no search uses at the moment: its memory is used again.
     spaces: Arc<Mutex<Vec<Workspace>>>,
@@ -66,6 +69,7 @@ impl Despot {
         let power = |previous: &f64| Some(previous * model.discount());
         Ok(Self {
             bounds: Arc::new(Bounds::new(model)),
+            thresholds: Arc::new(Thresholds::new(model)),
             randoms: Arc::new(Randoms::new(config.seed, config.scenarios, model.position_count(), depth)),
             discounts: std::iter::successors(Some(1.0), power).take(depth + 1).collect(),
             model: Arc::new(model.clone()),
@@ -147,6 +151,7 @@ impl Despot {
         Search {
             model: &self.model,
             bounds: &self.bounds,
+            thresholds: &self.thresholds,
             scenarios: Scenarios::sampled(randoms, belief, self.depth, parallel),
             remaining: belief.objects_left(),
             lambda: self.config.regularization,
@@ -162,8 +167,12 @@ impl Search<'_> {
     fn plan(&self, despot: &mut Tree, trials: u64, start: Instant, certified_upper: f64) -> Plan {
         let mut scratch = std::mem::take(&mut despot.scratch);
         let root = despot[ROOT];
-        let (_, default) = self.default_policy(&root, despot.scenarios(ROOT), &mut scratch.bounds);
-        let shares = &scratch.bounds[0][..self.model.kind_count()];
+        let (_, default) = self.default_policy(
+            (root.count, &despot.place(ROOT)),
+            despot.scenarios(ROOT),
+            &mut scratch.buffers,
+        );
+        let shares = &scratch.buffers.shares[..self.model.kind_count()];
         let reward = |bin: Bin| self.model.expected_decision_reward(bin, shares);
         let (mut best, mut values) = ((default, root.default), Vec::new());
         for edge in root.edges().map(|edge| despot[edge]) {

@@ -2,45 +2,38 @@
 
 use std::ops::Range;
 
-use super::tree::{EdgeId, Node, NodeId, Tree, Word};
+use super::groups::{FEW, Groups};
+use super::node::{Node, NodeId, Place, Word};
+use super::tree::Tree;
 use super::{Histogram, Search};
-use crate::index::{Bin, Position, Viewpoint};
+use crate::index::{Bin, Position};
 use crate::model::{Action, Look, SortingModel};
+use crate::planes::LANES;
 use crate::remaining::Remaining;
 use crate::scenario::{LookPoint, Scenarios};
 
 /// A step of the deterministic simulative model: the same for all scenarios but for labels and reward.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
-    /// Decisions since the root, this one included.
-    pub decisions: usize,
-    /// Where the camera stands afterwards.
-    pub viewpoint: Viewpoint,
-    /// As the next node's.
-    pub fresh: bool,
+    /// Where it leads.
+    pub to: Place,
     /// Positions that the scan shows, if there is one.
     pub scanned: Option<usize>,
 }
 
 impl Step {
     #[inline(always)]
-    pub(super) fn of(model: &SortingModel, node: &Node, action: Action, remaining: Remaining) -> Self {
-        let step = model.step(action, node.viewpoint, remaining);
+    pub(super) fn of(model: &SortingModel, from: &Place, action: Action, remaining: Remaining) -> Self {
+        let step = model.step(action, from.viewpoint, remaining);
         let repeatable = step.scan.is_some_and(|viewpoint| model.repeat(Position(0), viewpoint) > 0.0);
-        Self {
-            decisions: node.decisions + usize::from(step.advances()),
+        let to = Place {
+            depth: from.depth + 1,
+            decisions: from.decisions + usize::from(step.advances()),
             viewpoint: step.viewpoint,
-            fresh: (node.fresh || step.advances()) && !repeatable,
-            scanned: step.scan.map(|_| step.remaining.visible(model.position_count())),
-        }
-    }
-
-    /// The node that it leads to, but for labels and scenarios.
-    #[inline(always)]
-    pub(super) fn child(&self, from: &Node, action: EdgeId) -> Node {
-        let Self { decisions, viewpoint, fresh, .. } = *self;
-        let depth = from.depth + 1;
-        Node { parent: Some(action), depth, decisions, viewpoint, fresh, ..Node::default() }
+            fresh: (from.fresh || step.advances()) && !repeatable,
+            scanned: step.scan.is_some(),
+        };
+        Self { to, scanned: step.scan.map(|_| step.remaining.visible(model.position_count())) }
     }
 }
 
@@ -49,24 +42,34 @@ impl Step {
 pub(super) struct Scratch {
     /// The scenarios of the node that is expanded.
     pub set: Vec<Word>,
-    /// Those of its children, and the same one label earlier.
-    pub groups: [Groups; 2],
-    /// Shares of kinds, and what [`super::Bounds`] makes of them.
-    pub bounds: [Vec<f64>; 2],
+    /// Those of its children.
+    pub groups: Groups,
+    pub buffers: Buffers,
+}
+
+/// Buffers for the default policy's value.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    /// Shares of kinds.
+    pub shares: Vec<f64>,
+    /// What [`super::Bounds`] makes of them.
+    rounds: Vec<f64>,
+    /// Scenarios of each kind at each position, bytes.
+    counts: Vec<u64>,
 }
 
 impl Search<'_> {
     /// `|Phi_b| / K` and the discount down to a node.
     #[inline(always)]
-    pub(super) fn weight(&self, node: &Node) -> f64 {
-        f64::from(node.count) / self.scenarios.count() as f64 * self.discounts[node.depth]
+    pub(super) fn weight(&self, node: &Node, at: &Place) -> f64 {
+        f64::from(node.count) / self.scenarios.count() as f64 * self.discounts[at.depth]
     }
 
     /// The decision that earns most on the average over the scenarios, and what it earns.
     #[inline(always)]
-    pub(super) fn best_decision(&self, node: &Node, scratch: &mut Scratch) -> (Bin, f64) {
-        let Scratch { set, bounds: [shares, _], .. } = scratch;
-        kind_shares(&self.scenarios, (set, node.count), node.decisions..node.decisions + 1, shares);
+    pub(super) fn best_decision(&self, node: &Node, at: &Place, scratch: &mut Scratch) -> (Bin, f64) {
+        let Scratch { set, buffers: Buffers { shares, counts, .. }, .. } = scratch;
+        kind_shares(&self.scenarios, (set, node.count), at.decisions..at.decisions + 1, (shares, counts));
         self.model.best_decision(shares)
     }
 
@@ -74,34 +77,53 @@ impl Search<'_> {
     #[inline(always)]
     pub(super) fn default_policy(
         &self,
-        node: &Node,
+        (count, at): (u32, &Place),
         set: &[Word],
-        [shares, scratch]: &mut [Vec<f64>; 2],
+        Buffers { shares, rounds, counts }: &mut Buffers,
     ) -> (f64, Action) {
-        let &Node { viewpoint, fresh, decisions, count, .. } = node;
+        let &Place { viewpoint, fresh, decisions, .. } = at;
         let remaining = self.remaining.after(decisions);
         let visible = remaining.visible(self.model.position_count());
-        kind_shares(&self.scenarios, (set, count), decisions..decisions + visible, shares);
-        self.bounds.default_policy(&Histogram { shares, remaining, viewpoint, fresh }, scratch)
+        kind_shares(&self.scenarios, (set, count), decisions..decisions + visible, (shares, counts));
+        self.bounds.default_policy(&Histogram { shares, remaining, viewpoint, fresh }, rounds)
     }
 
-    /// Divide the scenarios of a node by what the scan after a step shows: into the first groups.
+    /// Its value alone.
     #[inline(always)]
-    pub(super) fn observe(&self, tree: &Tree, (b, step): (NodeId, Step), scratch: &mut Scratch) {
-        let (depth, Step { decisions, viewpoint, .. }) = (tree[b].depth, step);
-        let Scratch { set, groups: [groups, next], .. } = scratch;
-        groups.restart(set);
-        let mut unit = 1;
-        for position in self.model.positions().take(step.scanned.unwrap_or(0)) {
-            // No object is where it was after a decision.
-            let moved = decisions > tree[b].decisions;
-            let last = if moved { None } else { tree.last_label(self.model, b, (position, viewpoint)) };
-            let look = Look { position, viewpoint, last };
-            let planes = self.scenarios.labels(LookPoint { depth, decisions, look });
-            groups.divide((planes, self.model.label_count()), unit, next);
-            std::mem::swap(groups, next);
-            unit = unit.wrapping_mul(self.model.label_count() as u64);
+    pub(super) fn default_value(
+        &self,
+        (count, at): (u32, &Place),
+        set: &[Word],
+        buffers: &mut Buffers,
+    ) -> f64 {
+        if let (&[word], 1, false) = (set, count, self.remaining.ends())
+            && let Some(values) = self.bounds.certain(at.viewpoint, at.fresh)
+        {
+            let scenario = members(word).next().unwrap_or_default();
+            return values[self.scenarios.joint_kinds(at.decisions)[scenario] as usize];
         }
+        self.default_policy((count, at), set, buffers).0
+    }
+
+    /// Divide the scenarios of a node by what the scan after a step shows: into the groups.
+    #[inline(always)]
+    pub(super) fn observe(
+        &self,
+        tree: &Tree,
+        (b, to, scanned): (NodeId, &Place, usize),
+        scratch: &mut Scratch,
+    ) {
+        let Place { depth, decisions, .. } = tree.place(b);
+        // No object is where it was after a decision.
+        let moved = to.decisions > decisions;
+        let looks = self.model.positions().take(scanned).map(|position| {
+            let viewpoint = to.viewpoint;
+            let last = if moved { None } else { tree.last_label(self.model, b, (position, viewpoint)) };
+            LookPoint { depth, decisions: to.decisions, look: Look { position, viewpoint, last } }
+        });
+        let Scratch { set, groups, .. } = scratch;
+        groups.divide((&self.scenarios, self.thresholds), (set, tree[b].count), looks);
+        groups.pad(self.model.label_count(), self.model.position_count() - scanned);
     }
 }
 
@@ -127,97 +149,47 @@ pub(super) fn count(set: &[Word]) -> u32 {
     set.iter().map(|(_, bits)| bits.count_ones()).sum()
 }
 
+/// The scenarios of a word of a set.
+#[inline(always)]
+pub(super) fn members((word, mut bits): Word) -> impl Iterator<Item = usize> {
+    let first = word as usize * LANES;
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        let member = (bits != 0).then_some(first + lane);
+        bits &= bits.wrapping_sub(1);
+        member
+    })
+}
+
 /// The share of each kind among the scenarios of a set, object by object.
 #[inline(always)]
 fn kind_shares(
     scenarios: &Scenarios<'_>,
     (set, all): (&[Word], u32),
     objects: Range<usize>,
-    shares: &mut Vec<f64>,
+    (shares, counts): (&mut Vec<f64>, &mut Vec<u64>),
 ) {
-    shares.clear();
     let (kinds, one) = (scenarios.kind_count(), 1.0 / f64::from(all));
-    for object in objects {
-        let planes = scenarios.kinds(object);
-        let (mut left, first) = (all, shares.len());
-        shares.resize(first + kinds, 0.0);
-        for (kind, share) in shares[first..].iter_mut().enumerate() {
-            let plane = &planes[kind * scenarios.words()..];
+    shares.clear();
+    shares.resize(objects.len() * kinds, 0.0);
+    if all <= FEW {
+        let (marks, stride) = (scenarios.marks(objects.start), scenarios.mark_words());
+        counts.clear();
+        counts.resize(stride, 0);
+        for scenario in set.iter().flat_map(|word| members(*word)) {
+            let marks = &marks[scenario * stride..][..stride];
+            counts.iter_mut().zip(marks).for_each(|(count, mark)| *count += mark);
+        }
+        let counts = counts.iter().flat_map(|count| count.to_le_bytes());
+        shares.iter_mut().zip(counts).for_each(|(share, count)| *share = f64::from(count) * one);
+        return;
+    }
+    for (object, shares) in objects.zip(shares.chunks_exact_mut(kinds)) {
+        let planes = scenarios.kinds(object).chunks_exact(scenarios.words());
+        for (share, plane) in shares.iter_mut().zip(planes) {
             let of_kind: u32 =
                 set.iter().map(|(word, bits)| (bits & plane[*word as usize]).count_ones()).sum();
             *share = f64::from(of_kind) * one;
-            left -= of_kind;
-            if left == 0 {
-                break;
-            }
         }
-    }
-}
-
-/// Sets of scenarios that give the same labels.
-#[derive(Debug, Default)]
-pub(super) struct Groups {
-    /// A buffer that only grows; the groups say what of it counts.
-    words: Vec<Word>,
-    groups: Vec<Group>,
-}
-
-/// Scenarios that have given the same labels.
-#[derive(Debug, Clone)]
-struct Group {
-    /// The labels so far, as digits in base Z.
-    labels: u64,
-    words: Range<usize>,
-    /// Number of scenarios.
-    count: u32,
-}
-
-impl Groups {
-    /// Start with one set and no labels.
-    #[inline(always)]
-    fn restart(&mut self, set: &[Word]) {
-        self.words.clear();
-        self.words.extend_from_slice(set);
-        self.groups.clear();
-        self.groups.push(Group { labels: 0, words: 0..set.len(), count: count(set) });
-    }
-
-    /// Divide each group by the next label, given the planes of its `labels`; `unit` is what one counts in the code.
-    #[inline(always)]
-    fn divide(&self, (planes, labels): (&[u64], usize), unit: u64, into: &mut Self) {
-        into.groups.clear();
-        let (mut end, words) = (0, planes.len() / labels);
-        for Group { labels: code, words: group, count: all } in &self.groups {
-            let (group, mut code, mut left) = (&self.words[group.clone()], *code, *all);
-            for label in 0..labels {
-                let plane = &planes[label * words..][..words];
-                if into.words.len() < end + group.len() {
-                    into.words.resize(end + group.len(), Word::default());
-                }
-                let (from, out) = (end, &mut into.words[end..]);
-                let mut kept = 0;
-                for (word, bits) in group {
-                    let bits = bits & plane[*word as usize];
-                    out[kept] = (*word, bits);
-                    kept += usize::from(bits != 0);
-                }
-                if kept > 0 {
-                    let count = count(&out[..kept]);
-                    end += kept;
-                    left -= count;
-                    into.groups.push(Group { labels: code, words: from..end, count });
-                    if left == 0 {
-                        break;
-                    }
-                }
-                code = code.wrapping_add(unit);
-            }
-        }
-    }
-
-    /// The groups: labels, scenarios and their number.
-    #[inline(always)]
-    pub(super) fn iter(&self) -> impl Iterator<Item = (u64, &[Word], u32)> {
-        self.groups.iter().map(|group| (group.labels, &self.words[group.words.clone()], group.count))
     }
 }

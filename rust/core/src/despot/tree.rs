@@ -2,116 +2,11 @@
 
 use std::ops::{Index, IndexMut, Range};
 
+use super::node::{ENTRY, Edge, EdgeId, Node, NodeId, Place, ROOT, Values, Word};
 use super::step::Scratch;
 use crate::belief::Belief;
 use crate::index::{Label, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
-
-/// A belief node.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct NodeId(u32);
-
-/// A belief node's action.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct EdgeId(u32);
-
-/// `b_0`, or the leaf that a branch grows from.
-pub(super) const ROOT: NodeId = NodeId(0);
-
-/// Scenarios of one word of a plane; only words with any are kept.
-pub(super) type Word = (u32, u64);
-
-/// Values of a node or an edge, weighted by its share of the scenarios and discounted down to it.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Values {
-    /// `l`: lower bound of the regularised value.
-    pub lower: f64,
-    /// `mu`: upper bound of the regularised value.
-    pub upper: f64,
-    /// `U`: upper bound of the value without regularisation.
-    pub utility: f64,
-}
-
-impl Values {
-    pub(super) fn all(value: f64) -> Self {
-        Self { lower: value, upper: value, utility: value }
-    }
-
-    pub(super) fn plus(self, other: Self) -> Self {
-        Self {
-            lower: self.lower + other.lower,
-            upper: self.upper + other.upper,
-            utility: self.utility + other.utility,
-        }
-    }
-
-    pub(super) fn max(self, other: Self) -> Self {
-        Self {
-            lower: self.lower.max(other.lower),
-            upper: self.upper.max(other.upper),
-            utility: self.utility.max(other.utility),
-        }
-    }
-}
-
-/// `b` of the paper: a history of actions and labels.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Node {
-    /// The action that has led here.
-    pub parent: Option<EdgeId>,
-    /// `Delta(b)`: planner steps since the root.
-    pub depth: usize,
-    /// Decisions since the root.
-    pub decisions: usize,
-    /// Where the camera stands.
-    pub viewpoint: Viewpoint,
-    /// Whether no label from any viewpoint can repeat one already seen at the belt end.
-    pub fresh: bool,
-    /// The labels of the scan that has led here, as digits in base L, the belt end's last.
-    pub labels: Option<u64>,
-    /// `|Phi_b|`: how many scenarios come here.
-    pub count: u32,
-    /// Which: `Phi_b`, a range of the tree's words.
-    pub scenarios: (u32, u32),
-    /// The actions, all or none.
-    pub edges: (u32, u32),
-    /// `l_0`: the default policy's value.
-    pub default: f64,
-    pub values: Values,
-    /// Whether MAKE-DEFAULT has settled its values.
-    pub settled: bool,
-}
-
-impl Node {
-    pub(super) fn is_leaf(&self) -> bool {
-        self.edges.0 == self.edges.1
-    }
-
-    pub(super) fn edges(&self) -> impl Iterator<Item = EdgeId> + use<> {
-        (self.edges.0..self.edges.1).map(EdgeId)
-    }
-
-    pub(super) fn gap(&self) -> f64 {
-        self.values.upper - self.values.lower
-    }
-}
-
-/// An action at a node.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Edge {
-    pub from: NodeId,
-    pub action: Action,
-    /// Weighted and discounted, without the regularisation: `rho(b, a) + lambda`.
-    pub reward: f64,
-    children: (u32, u32),
-    pub values: Values,
-}
-
-impl Edge {
-    pub(super) fn children(&self) -> impl Iterator<Item = NodeId> + use<> {
-        (self.children.0..self.children.1).map(NodeId)
-    }
-}
 
 /// A DESPOT, or the branch of one that grows from a leaf.
 #[derive(Debug, Default)]
@@ -186,14 +81,26 @@ impl Tree {
         self.tally = Tally::default();
     }
 
-    /// Start from a belief with these scenarios: the root is still to be added.
-    pub(super) fn restart(&mut self, model: &SortingModel, belief: &Belief) {
+    /// Start from a belief: the root is still to be added.
+    pub(super) fn restart(&mut self, model: &SortingModel, belief: &Belief, at: Place) {
         self.clear();
+        self.enter(at);
         if model.ever_repeats() {
             let (h, k) = (model.position_count(), model.viewpoint_count());
             self.memory
                 .extend((0..h * k).map(|at| belief.last_label(model, Position(at / k), Viewpoint(at % k))));
         }
+    }
+
+    fn enter(&mut self, at: Place) {
+        let action = Action::Move(at.viewpoint);
+        let (children, values) = ((0, 1), Values::default());
+        self.edges.push(Edge { from: ROOT, action, reward: 0.0, children, to: at, values });
+    }
+
+    /// Where a node is.
+    pub(super) fn place(&self, node: NodeId) -> Place {
+        self[self[node].parent].to
     }
 
     /// Number of belief nodes.
@@ -222,12 +129,18 @@ impl Tree {
     }
 
     /// An action of a node; its children are the nodes added since there were `first`.
-    pub(super) fn add_edge(&mut self, from: NodeId, action: Action, reward: f64, first: usize) {
+    pub(super) fn add_edge(
+        &mut self,
+        from: NodeId,
+        (action, to): (Action, Place),
+        reward: f64,
+        first: usize,
+    ) {
         let edge = self.next_edge();
         let children = (id(first), id(self.nodes.len()));
-        self.edges.push(Edge { from, action, reward, children, values: Values::default() });
-        let node = &mut self[from];
-        node.edges = if node.is_leaf() { (edge.0, edge.0 + 1) } else { (node.edges.0, edge.0 + 1) };
+        self.edges.push(Edge { from, action, reward, children, to, values: Values::default() });
+        let (first, count) = self[from].actions;
+        self[from].actions = (if count == 0 { edge.0 } else { first }, count + 1);
     }
 
     /// `Phi_b`.
@@ -235,9 +148,14 @@ impl Tree {
         &self.words[range(self[node].scenarios)]
     }
 
-    /// The node that an action has led from.
+    /// The node above.
     pub(super) fn parent(&self, node: NodeId) -> Option<NodeId> {
-        self[node].parent.map(|edge| self[edge].from)
+        (node != ROOT).then(|| self[self[node].parent].from)
+    }
+
+    /// The action that has led to a node.
+    pub(super) fn edge_into(&self, node: NodeId) -> Option<EdgeId> {
+        (node != ROOT).then(|| self[node].parent)
     }
 
     /// The path to the root, the node itself first.
@@ -256,13 +174,13 @@ impl Tree {
         if model.repeat(position, viewpoint) <= 0.0 {
             return None;
         }
-        for node in self.path(node) {
-            if let Some(labels) = node.labels.filter(|_| node.viewpoint == viewpoint) {
-                return Some(nth_label(model, labels, position));
+        for node in self.path(node).take_while(|node| node.parent != ENTRY) {
+            let edge = &self[node.parent];
+            if edge.to.scanned && edge.to.viewpoint == viewpoint {
+                return Some(nth_label(model, node.labels, position));
             }
-            match node.parent {
-                Some(edge) if matches!(self[edge].action, Action::Decide(_)) => return None,
-                _ => {}
+            if matches!(edge.action, Action::Decide(_)) {
+                return None;
             }
         }
         self.memory.get(position.0 * model.viewpoint_count() + viewpoint.0).copied().flatten()
@@ -271,6 +189,7 @@ impl Tree {
     /// A branch that grows from a leaf; it knows what searching below the leaf needs to know of what is above.
     pub(super) fn branch(&self, model: &SortingModel, leaf: NodeId, branch: &mut Tree) {
         branch.clear();
+        branch.enter(self.place(leaf));
         if model.ever_repeats() {
             let (h, k) = (model.position_count(), model.viewpoint_count());
             branch.memory.extend(
@@ -281,32 +200,37 @@ impl Tree {
         branch.above.extend(above.chain(self.above.iter().copied()));
         branch.words.extend_from_slice(self.scenarios(leaf));
         let scenarios = (0, id(branch.words.len()));
-        branch.nodes.push(Node { parent: None, labels: None, scenarios, ..self[leaf] });
+        branch.nodes.push(Node { parent: ENTRY, scenarios, ..self[leaf] });
     }
 
     /// Put a grown branch where it has grown from.
     pub(super) fn graft(&mut self, leaf: NodeId, branch: &Tree) {
-        // The branch's node 0 is the leaf, its node 1 the next one here.
-        let (nodes, edges, words) = (id(self.nodes.len()) - 1, id(self.edges.len()), id(self.words.len()));
+        // The branch's node 0 is the leaf and its edge 0 leads there; those after them are the next ones here.
+        let (nodes, edges, words) =
+            (id(self.nodes.len()) - 1, id(self.edges.len()) - 1, id(self.words.len()));
         let shift = |(from, to): (u32, u32), by: u32| (from + by, to + by);
         let node = |node: NodeId| if node == ROOT { leaf } else { NodeId(node.0 + nodes) };
-        let edge = |edge: EdgeId| EdgeId(edge.0 + edges);
-        let Some((root, others)) = branch.nodes.split_first() else { return };
+        let actions = |(first, count): (u32, u16)| (first + edges, count);
+        let (Some((root, others)), Some((_, edges_below))) =
+            (branch.nodes.split_first(), branch.edges.split_first())
+        else {
+            return;
+        };
         self.words.extend_from_slice(&branch.words);
         self.nodes.extend(others.iter().map(|node| Node {
-            parent: node.parent.map(edge),
+            parent: EdgeId(node.parent.0 + edges),
             scenarios: shift(node.scenarios, words),
-            edges: shift(node.edges, edges),
+            actions: actions(node.actions),
             ..*node
         }));
-        self.edges.extend(branch.edges.iter().map(|edge| Edge {
+        self.edges.extend(edges_below.iter().map(|edge| Edge {
             from: node(edge.from),
             children: shift(edge.children, nodes),
             ..*edge
         }));
         let grown = &mut self[leaf];
         (grown.values, grown.settled) = (root.values, root.settled);
-        grown.edges = shift(root.edges, edges);
+        grown.actions = actions(root.actions);
         self.tally.scenario_steps += branch.tally.scenario_steps;
         self.tally.expansions += branch.tally.expansions;
         self.tally.pruned += branch.tally.pruned;
@@ -323,10 +247,11 @@ pub(super) fn first_best<T: Copy>(among: impl Iterator<Item = T>, value: impl Fn
         .map(|(best, _)| best)
 }
 
-/// A position's label, given the code of a scan's labels: digits in base Z, the belt end's last.
+/// A position's label, given the code of a scan's labels: digits in base Z, the belt end's first.
 fn nth_label(model: &SortingModel, labels: u64, position: Position) -> Label {
     let base = model.label_count() as u64;
-    let digit = (0..position.0).fold(labels, |code, _| code / base) % base;
+    let behind = position.0 + 1..model.position_count();
+    let digit = behind.fold(labels, |code, _| code / base) % base;
     // A digit is below Z, which is a usize.
     #[allow(clippy::cast_possible_truncation)]
     let label = Label(digit as usize);
