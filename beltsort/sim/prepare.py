@@ -29,9 +29,9 @@ from beltsort.util.processes import Progress, at_least_one
 PIPELINE = 1
 """Version of the code between a configuration and its labels: the simulated cell, perception, training.
 
-It is part of the storage key. Increment it with every change of that code that changes results, and update
-the packaged files with `beltsort prepare -o beltsort/models/simulated_cell`, and the packaged model with modes
-(`beltsort.models.simulated`) with the command in its note.
+It is part of the storage key. Increment it with every change of that code that changes results, and
+update the packaged files with `beltsort prepare -o beltsort/models/simulated_cell`, and the packaged
+model with modes (`beltsort.models.simulated`) with the command in its note.
 """
 
 SEED = 2019  # seed of training and tables, independent of a run's seed, since all runs share the stored ones
