@@ -38,9 +38,3 @@ def main_clusters(points: Points, config: PerceptionConfig) -> Points:
         return points[:0]
     kept: Points = points[(sizes >= config.cluster_share * sizes.max())[cluster]]
     return kept
-
-
-def several_objects(points: Points, config: PerceptionConfig) -> bool:
-    """Whether two parts, each large enough for a label, lie farther apart than the parts of one object."""
-    sizes = np.bincount(_core.clusters(points, config.object_gap), minlength=1)
-    return int((sizes >= config.fewest_labelled).sum()) > 1

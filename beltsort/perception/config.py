@@ -29,7 +29,8 @@ class PerceptionConfig:
         A cluster with less than this share of the largest one's voxels is no part of the object. Below 1:
         an object that hides part of itself (a bowl) or returns patchily (glass) falls into several.
     object_gap
-        Surfaces farther apart than this, each large enough for a label, are several objects', metres.
+        Surfaces farther apart than this, each large enough for a label, are several objects', metres, unless
+        they are the walls of a hollow one. Nearer ones are so too if the camera looks through between them.
     opening_seen
         A position without a candidate is empty if lines of sight passed this share of its cup's opening, else
         hidden. Too small takes for empty what merely gave no return, too large sees no cup as empty.

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout, Points, Pose, transform
 from beltsort.perception.checks import PoseWarning, as_array, warn_unless_metres
-from beltsort.perception.clean import main_clusters, several_objects, voxel_means, without_outliers
+from beltsort.perception.clean import main_clusters, voxel_means, without_outliers
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.finding import Finding
 from beltsort.perception.level import levelled
+from beltsort.perception.parts import Background, several_objects
 from beltsort.perception.pose_fault import PoseFault, pose_fault
 from beltsort.perception.visibility import crossings, image_border, share_seen, within_gap
 
@@ -174,6 +175,11 @@ class View:
         """Points where lines of sight to cups and belt cross the rims' height, shape (m, 2), world frame."""
         return crossings(self.points, self.height, self.world_from_camera, self.base)
 
+    def background(self) -> Background:
+        """Return what is seen below the rims; of a list of points nothing, since it may be of many scans."""
+        passed = self.passed if len(self.border) > 0 else self.passed[:0]
+        return Background(self.world_from_camera[:3, 3], self.base, passed)
+
     def cropped(self, position: int) -> Points:
         """Return all points above one cup, shape (n, 3), world frame."""
         return self._in_cylinder(self.above, position)
@@ -193,7 +199,7 @@ class View:
             return Finding.EMPTY if seen >= self.config.opening_seen else Finding.HIDDEN
         if self._cut_off(position, candidate):
             return Finding.CUT
-        if several_objects(candidate, self.config):
+        if several_objects(candidate, self.background, self.config):
             return Finding.SEVERAL
         return Finding.OBJECT if len(candidate) >= self.config.fewest_labelled else Finding.TOO_FEW
 
