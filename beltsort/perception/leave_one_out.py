@@ -10,7 +10,7 @@ import numpy as np
 
 from beltsort.errors import DatabaseError
 from beltsort.perception.classifier import Match
-from beltsort.perception.distances import distances_to
+from beltsort.perception.distances import Values, distances_to
 from beltsort.perception.nearest import NearestNeighbour
 
 PERCENTILE = 99.0
@@ -67,14 +67,39 @@ def rejection_threshold(
     float or None
         For `NearestNeighbour.reject`; None if no class has two different entries.
     """
-    own = np.array(
+    return _percentile(_own_distances(database, left_out), percentile)
+
+
+def training_distance(database: NearestNeighbour, left_out: list[Match]) -> float | None:
+    """Return `rejection_threshold` of the entries that the others classify right; None if it has no value.
+
+    An entry that is nearer to another class tells how classes are confused, not how near entries of a class
+    are: a single mislabelled one would raise the threshold above the distances of all other objects.
+
+    Parameters
+    ----------
+    database, left_out
+        As in `rejection_threshold`.
+    """
+    pairs = zip(left_out, database.labels, strict=True)
+    right = np.array([match.ranking[0] == label for match, label in pairs])
+    return _percentile(_own_distances(database, left_out)[right], PERCENTILE)
+
+
+def _own_distances(database: NearestNeighbour, left_out: list[Match]) -> Values:
+    """Return the distance of each entry to the nearest other one of its class, shape (n,)."""
+    return np.array(
         [
             np.inf if match.distances is None else match.distances[label]
             for match, label in zip(left_out, database.labels, strict=True)
         ]
     )
-    shared = own[np.isfinite(own)]
-    threshold = float(np.percentile(shared, percentile, method="higher")) if shared.size else 0.0
+
+
+def _percentile(distances: Values, percentile: float) -> float | None:
+    """Return an observed distance above 0, or None."""
+    finite = distances[np.isfinite(distances)]
+    threshold = float(np.percentile(finite, percentile, method="higher")) if finite.size else 0.0
     return threshold if threshold > 0.0 else None
 
 
@@ -83,11 +108,10 @@ def with_rejection(
 ) -> tuple[NearestNeighbour, list[Match]]:
     """Return the same database with a rejection threshold, and the leave-one-out classifications with it.
 
-    The database also keeps the distance that `rejection_threshold` suggests.
+    The database also keeps its `training_distance`.
     """
     labelled = [replace(match, label=match.ranking[0]) for match in left_out]
-    suggested = rejection_threshold(database, left_out)
-    kept = replace(database, reject=reject, training_distance=suggested)
+    kept = replace(database, reject=reject, training_distance=training_distance(database, left_out))
     return kept, [match.within(reject) for match in labelled]
 
 

@@ -43,8 +43,9 @@ class NearestNeighbour:
         A candidate gets no label if every entry of the winning class is farther away than this; None: it
         always gets one. `rejection_threshold` finds a value.
     training_distance
-        A distance to the nearest entry of its own class that hardly an entry exceeds, `rejection_threshold`;
-        None if it was not computed. A candidate farther away is unlike all that was trained on.
+        A distance to the nearest entry of its own class that hardly an entry exceeds
+        (`beltsort.perception.leave_one_out`), or None if it was not computed. A candidate farther away is
+        unlike all that was trained on.
 
     References
     ----------

@@ -7,7 +7,7 @@ import pytest
 
 from beltsort.errors import DatabaseError
 from beltsort.perception import NearestNeighbour, confusion, leave_one_out, rejection_threshold
-from beltsort.perception.leave_one_out import suspects, with_rejection
+from beltsort.perception.leave_one_out import suspects, training_distance, with_rejection
 
 from .databases import CLASSES, database
 
@@ -109,3 +109,17 @@ def test_entries_nearer_to_another_class_are_suspects() -> None:
 def test_the_only_entry_of_a_class_is_no_suspect() -> None:
     trained = line([0.0, 1.0, 0.4], [0, 0, 1])
     assert 2 not in [suspect.entry for suspect in suspects(trained, leave_one_out(trained))]
+
+
+def test_a_mislabelled_entry_does_not_count_for_the_training_distance() -> None:
+    trained = line([0.0, 1.0, 2.0, 50.0, 51.0, 52.0, 1.5], [0, 0, 0, 1, 1, 1, 1])
+    left_out = leave_one_out(trained)
+    without = line([0.0, 1.0, 2.0, 50.0, 51.0, 52.0], [0, 0, 0, 1, 1, 1])
+    suggested = rejection_threshold(trained, left_out)
+    expected = training_distance(without, leave_one_out(without))
+    assert suggested is not None
+    assert expected is not None
+    assert training_distance(trained, left_out) == pytest.approx(expected)
+    assert suggested > 10.0 * expected
+    kept, _ = with_rejection(trained, left_out, None)
+    assert kept.training_distance == training_distance(trained, left_out)
