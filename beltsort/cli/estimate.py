@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from beltsort.planning.expectation import Expectation
     from beltsort.tables.estimate import Estimate
+    from beltsort.tables.findings import FindingCounts
     from beltsort.tables.mode_choice import ModeChoice
 
 MOST_MODES = 8
@@ -124,8 +125,7 @@ def run(arguments: Namespace) -> int:
         }
         print_json({**settings, **result.to_dict(), "expected": expected.to_dict()})
     else:
-        print(f"What looks at objects found:\n{labelled.found}\n")
-        show(result, expected, arguments)
+        show(result, labelled.found, expected, arguments)
     return 0
 
 
@@ -189,14 +189,15 @@ def prior_of(labelled: Labelled, arguments: Namespace) -> "float | NDArray[np.fl
     return pooled_prior(count(looks(labelled.scans), *shape, label_classes))
 
 
-def show(result: "Estimate", expected: "Expectation", arguments: Namespace) -> None:
-    """Print the tables, their standard errors, tests of the model's assumptions, and what it promises."""
+def show(result: "Estimate", found: "FindingCounts", expected: "Expectation", arguments: Namespace) -> None:
+    """Print findings, tables, their errors, tests of the assumptions, and what the model promises."""
     from beltsort.tables.layout import agreement_text, independence_text, intervals_text, table_one, table_two
 
     model = result.model
     names = (model.classes, model.viewpoints)
     by_class = result.counts.probabilities(result.smoothing)
     print(f"{result.scans} scans; {smoothing_text(result.smoothing)}")
+    print(f"\nwhat looks at objects found:\n{found}")
     for true in range(len(model.classes)):
         print(f"\n{table_one(by_class, *names, true, model.labels)}")
     print(f"\n{table_two(by_class, *names, labels=model.labels)}")

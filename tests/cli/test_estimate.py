@@ -66,6 +66,7 @@ def test_from_a_folder(folder: str, classifier: str, config: CellConfig, tmp_pat
     again = command(*given, "--error", "0.2", "--smoothing", "1")
     assert re.search(rf"\b16 scans\b.*{re.escape(str(model.with_suffix('.labels')))}\n", again.stderr)
     assert "p(observed | true = livarno), position 1" in again.stdout
+    assert re.search(r"what looks at objects found:\n +viewpoint +label.*\n +p2 +\d+", again.stdout)
     assert "tests of independence given the classes" in again.stdout
     assert "more objects in each row would bring every one to 0.2" not in again.stdout
     assert "Expected, per object, by simulation of the model" in again.stdout
