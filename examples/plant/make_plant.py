@@ -19,6 +19,8 @@ from beltsort.sim.collect import collect_matches, collect_training
 from beltsort.sim.surfaces import Mesh, revolve
 from beltsort.tables import estimate
 from beltsort.tables.confidence import fit_levels
+from beltsort.tables.mode_choice import choose_modes
+from beltsort.tables.repeated_looks import RepeatedLooks, TableShape, looks_at_objects
 
 HERE = Path(__file__).parent
 OUTLINES = {  # radius and height, metres, from the lower pole to the upper one
@@ -64,18 +66,23 @@ def reward(classes: tuple[str, ...]) -> NDArray[np.float64]:
 def main() -> None:
     """Write meshes, train, estimate, save."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("--objects", type=int, default=40, help="per class, viewpoint and position")
+    parser.add_argument("--training", type=int, default=40, help="objects per class, viewpoint and position")
+    parser.add_argument("--objects", type=int, default=80, help="objects per class for the tables")
     options = parser.parse_args()
     write_meshes(HERE / "meshes")
     cell = CellDescription.load(HERE / "plant.toml")
     config, classes, viewpoints = trainable_config(cell), cell.classes, cell.viewpoint_names
 
-    database = collect_training(config, objects=options.objects)
+    database = collect_training(config, objects=options.training)
     database.save(HERE / DATABASE)
     classifier = FromProbabilities(Softmax(database))
-    matches = collect_matches(classifier, config, objects=options.objects)
-    rule = fit_levels(classifier, matches, len(viewpoints)).rule
-    tables = estimate([scan.labelled(rule) for scan in matches], classes, viewpoints, rule=rule)
+    # Every object is seen twice in every row of the tables: this tells how looks at one depend on each other.
+    matches = collect_matches(classifier, config, objects=options.objects, passages=True)
+    rule = fit_levels(classifier, matches, len(viewpoints), levels=2).rule
+    scans = [scan.labelled(rule) for scan in matches]
+    shape = TableShape(config.layout.positions, len(viewpoints), len(classes), len(rule.labels))
+    choice = choose_modes(RepeatedLooks.of(looks_at_objects(scans), shape))
+    tables = estimate(scans, classes, viewpoints, rule=rule, modes=choice.tables)
     model: beltsort.SortingModel = tables.model.replace(
         bins=[*BINS, "by hand"], reward=reward(classes), r_max=None, r_min=None
     )

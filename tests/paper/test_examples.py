@@ -47,7 +47,10 @@ def test_the_plant(tmp_path: Path) -> None:
         FOLDER / "plant", folder, ignore=shutil.ignore_patterns("meshes", "*.npz", "*.json", "runs")
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    for command in (["make_plant.py", "--objects", "1"], ["-m", "beltsort", "run", "plant.toml", "--json"]):
+    for command in (
+        ["make_plant.py", "--training", "1", "--objects", "4"],
+        ["-m", "beltsort", "run", "plant.toml", "--json"],
+    ):
         objects = ["--objects", "2"] if "run" in command else []
         done = subprocess.run(
             [sys.executable, *command, *objects], cwd=folder, env=environment, capture_output=True, text=True
