@@ -9,7 +9,7 @@ from beltsort.calibration.dependence import Dependence, collect_looks, dependenc
 from beltsort.calibration.reliability import Reliability, reliability
 from beltsort.calibration.simulated_runs import simulate_runs
 from beltsort.calibration.sorted_runs import decision_pairs
-from beltsort.perception import NearestNeighbour
+from beltsort.perception import Classifier
 from beltsort.util.processes import Progress
 from beltsort.util.text import numbers_or_none
 
@@ -49,7 +49,7 @@ class Causes:
 
 def find_causes(
     models: Mapping[str, SortingModel],
-    database: NearestNeighbour,
+    database: Classifier,
     *,
     objects: int,
     seed: int = 0,

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from beltsort.perception import NearestNeighbour
+from beltsort.perception import Classifier
 from beltsort.sim import CellConfig
 from beltsort.sim.collect import SCANS, collect_scans
 from beltsort.tables.repeated_looks import looks_at_objects
@@ -49,7 +49,7 @@ class ObjectLooks:
 
 
 def collect_looks(
-    database: NearestNeighbour,
+    database: Classifier,
     config: CellConfig | None = None,
     *,
     objects: int,

@@ -16,7 +16,7 @@ import numpy as np
 
 from beltsort import ArgumentError, Despot, SortingModel
 from beltsort.calibration.reliability import Pairs
-from beltsort.perception import NearestNeighbour, perception_for
+from beltsort.perception import Classifier, perception_for
 from beltsort.planning.decisions import right_bins
 from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.sim import CellConfig
@@ -113,7 +113,7 @@ def run_in(entries: Sequence[Entry], true: Sequence[int]) -> SortedRun:
 
 def sort_many(
     models: Sequence[SortingModel],
-    database: NearestNeighbour,
+    database: Classifier,
     config: CellConfig | None = None,
     *,
     objects: int,
@@ -176,7 +176,7 @@ def _check_arms(models: Sequence[SortingModel]) -> None:
         raise ArgumentError("a model has a class for empty cups, of which there are none here; leave it out")
 
 
-def _sorted(config: CellConfig, database: NearestNeighbour, seed: int, work: tuple[str, int]) -> SortedRun:
+def _sorted(config: CellConfig, database: Classifier, seed: int, work: tuple[str, int]) -> SortedRun:
     """Sort the objects of one run."""
     from beltsort.sim import SimulatedCell
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from beltsort.calibration.causes import Causes
     from beltsort.calibration.check import Arm
     from beltsort.calibration.promise import Promise
-    from beltsort.perception import NearestNeighbour
+    from beltsort.perception import Classifier
     from beltsort.planning.comparison import Difference
 
 OBJECTS = 300
@@ -107,9 +107,9 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel], NearestNeighbour]":
+def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel], Classifier]":
     """Return the models by name and the classifier; the classifier is trained only if it is not given."""
-    from beltsort.perception import NearestNeighbour
+    from beltsort.perception import load_trained
 
     given = {name: models.load(name) for name in arguments.models}
     if len(given) < len(arguments.models):
@@ -120,7 +120,7 @@ def models_and_classifier(arguments: Namespace) -> "tuple[dict[str, SortingModel
                 f"--classifier {arguments.classifier} needs MODEL, expected at least one model of its "
                 "labels; name models or leave it out"
             )
-        return given, NearestNeighbour.load(arguments.classifier)
+        return given, load_trained(arguments.classifier)
     from beltsort.models import simulated
     from beltsort.sim import CellConfig
     from beltsort.sim.prepare import prepare

@@ -11,7 +11,7 @@ from beltsort.cli.output import print_json, print_status, print_table
 from beltsort.errors import CloudError
 from beltsort.perception.cameras import CameraPositions
 from beltsort.perception.classifier import Match
-from beltsort.perception.nearest import NearestNeighbour
+from beltsort.perception.kernel_ridge import TrainedClassifier, load_trained
 from beltsort.perception.training import camera_positions, read_view
 from beltsort.util.text import number_or_none
 
@@ -38,16 +38,16 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Label and print; a cloud that cannot be labelled keeps none of the others from it."""
-    database = NearestNeighbour.load(arguments.database)
+    classifier = load_trained(arguments.database)
     positions = camera_positions(arguments.viewpoint)
     results, failed = [], []
     for cloud in arguments.clouds:
         try:
-            match = _match(database, cloud, positions)
+            match = _match(classifier, cloud, positions)
         except CloudError as reason:
             failed.append({"cloud": str(cloud), "reason": str(reason)})
         else:
-            results.append({"cloud": str(cloud), **_as_json(match, database)})
+            results.append({"cloud": str(cloud), **_as_json(match, classifier)})
     if not results:
         raise CloudError("; ".join(failure["reason"] for failure in failed))
     for failure in failed:
@@ -59,18 +59,18 @@ def run(arguments: Namespace) -> int:
     return EXCEEDED if failed else DONE
 
 
-def _match(database: NearestNeighbour, cloud: Path, positions: CameraPositions) -> Match:
+def _match(classifier: TrainedClassifier, cloud: Path, positions: CameraPositions) -> Match:
     try:
-        seen = read_view(cloud, database.config, positions)
-        return database.classify(seen.points, seen.camera)
+        seen = read_view(cloud, classifier.config, positions)
+        return classifier.classify(seen.points, seen.camera)
     except CloudError as reason:
         if str(cloud) in str(reason):
             raise
         raise CloudError(f"{cloud}: {reason}") from reason
 
 
-def _as_json(match: Match, database: NearestNeighbour) -> dict[str, Any]:
-    classes = database.classes
+def _as_json(match: Match, classifier: TrainedClassifier) -> dict[str, Any]:
+    classes = classifier.classes
     best, *others = (classes[label] for label in match.ranking)
     measured = zip(DISTANCES, (match.distance, match.runner_up), strict=True)
     return {
@@ -78,8 +78,8 @@ def _as_json(match: Match, database: NearestNeighbour) -> dict[str, Any]:
         "nearest": best,
         "runner_up": others[0] if others else None,
         **{name: None if value is None else number_or_none(value) for name, value in measured},
-        "training_distance": database.training_distance,
-        "beyond_training": database.beyond_training(match),
+        "training_distance": classifier.training_distance,
+        "beyond_training": classifier.beyond_training(match),
         "scores": dict(zip(classes, match.scores.tolist(), strict=True)),
     }
 

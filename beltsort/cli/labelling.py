@@ -93,7 +93,7 @@ def check_recorded(arguments: Namespace) -> None:
             )
     if arguments.classifier is None:
         raise ArgumentError(
-            "--classifier is missing, expected a file that NearestNeighbour.save wrote, with which to label "
+            "--classifier is missing, expected a trained classifier, with which to label "
             "the recorded scans; `beltsort train` writes one"
         )
 

@@ -3,14 +3,16 @@
 from argparse import ArgumentTypeError, Namespace
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_camera_position, add_json, check_writable
 from beltsort.cli.output import print_json, print_status
 from beltsort.cli.progress import tenths
+from beltsort.perception.config import Descriptor, PerceptionConfig
 from beltsort.perception.confusion import Confusion, confusion
 from beltsort.perception.distances import DISTANCES
+from beltsort.perception.kernel_ridge import KernelRidge, TrainedClassifier
 from beltsort.perception.leave_one_out import (
     PERCENTILE,
     Suspect,
@@ -25,6 +27,7 @@ from beltsort.sim.config import TRAINING_OBJECTS
 from beltsort.util.text import numbers_or_none
 
 AUTOMATIC = "auto"
+NEAREST, KERNEL_RIDGE = "nearest", "kernel-ridge"
 SEED = 0
 MOST_SUSPECTS = 10
 """Suspects that are listed; the others are counted."""
@@ -35,7 +38,7 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "train",
         help="train a classifier on folders of point clouds or meshes",
-        description="Train a nearest-neighbour classifier. Each sub-folder of FOLDER is a class and contains "
+        description="Train a classifier. Each sub-folder of FOLDER is a class and contains "
         "point clouds of single objects; metres. Formats: .pcd, .ply, text (.xyz, .txt, .csv, .asc, .pts), "
         ".npy, and 16-bit depth images (.png) beside their intrinsics (see docs/files.md). Prints the "
         "confusion matrix of leave-one-out cross-validation, and clouds that are nearest to another class.",
@@ -59,6 +62,20 @@ def add_parser(subparsers: Subparsers) -> None:
     )
     parser.add_argument(
         "--seed", type=int, metavar="N", help=f"with --meshes: seed of the scans (default: {SEED})"
+    )
+    parser.add_argument(
+        "--descriptor",
+        choices=get_args(Descriptor),
+        default="vfh",
+        help="vfh: the viewpoint feature histogram; vfh+size: also the object's height above the belt and "
+        "its horizontal extents, which needs clouds in the belt frame, z up, 0 on the belt (default: vfh)",
+    )
+    parser.add_argument(
+        "--classifier",
+        choices=[NEAREST, KERNEL_RIDGE],
+        default=NEAREST,
+        help=f"{NEAREST}: the nearest neighbours vote; {KERNEL_RIDGE}: kernel ridge regression on the "
+        f"distances, which gives probabilities (default: {NEAREST})",
     )
     parser.add_argument(
         "--distance",
@@ -106,10 +123,14 @@ def run(arguments: Namespace) -> int:
     suggested = rejection_threshold(trained.database, left_out)
     reject = _rejection_distance(arguments.reject, suggested)
     database, predicted = with_rejection(trained.database, left_out, reject)
+    classifier: TrainedClassifier = database
+    if arguments.classifier == KERNEL_RIDGE:
+        classifier = KernelRidge.train(database)
+        predicted = leave_one_out(classifier)
     # The scans of a mesh are of its class whatever they look like.
     doubtful = [] if arguments.meshes else suspects(database, left_out)
     table = confusion(database.labels, predicted, database.classes)
-    database.save(arguments.output)
+    classifier.save(arguments.output)
     if arguments.figure is not None:
         from beltsort.perception.confusion import draw_confusion
 
@@ -130,6 +151,11 @@ def _check_arguments(arguments: Namespace) -> None:
         if getattr(arguments, name) is not None:
             where = "with" if arguments.meshes else "without"
             raise ArgumentError(f"--{name} does not apply {where} --meshes; leave it out")
+    if arguments.classifier == KERNEL_RIDGE and arguments.k != 1:
+        raise ArgumentError(
+            f"-k {arguments.k} does not apply with --classifier {KERNEL_RIDGE}, which weighs all entries; "
+            "leave it out"
+        )
     if arguments.figure is not None and arguments.figure.suffix != ".png":
         raise ArgumentError(
             f"--figure is {arguments.figure}, expected a name that ends in .png, the only format; rename it"
@@ -141,12 +167,14 @@ def _check_arguments(arguments: Namespace) -> None:
 
 def _trained(arguments: Namespace) -> Trained:
     settings = {"distance": arguments.distance, "k": arguments.k}
+    config = PerceptionConfig(descriptor=arguments.descriptor)
     if not arguments.meshes:
-        return train_from_clouds(arguments.folder, viewpoint=arguments.viewpoint, **settings)
+        return train_from_clouds(arguments.folder, config, viewpoint=arguments.viewpoint, **settings)
     from beltsort.sim.meshes import train_from_meshes
 
     return train_from_meshes(
         arguments.folder,
+        config,
         objects=TRAINING_OBJECTS if arguments.objects is None else arguments.objects,
         seed=SEED if arguments.seed is None else arguments.seed,
         progress=tenths("scans"),
@@ -180,6 +208,8 @@ def _as_json(
         "entries": table.total,
         "files": len(trained.files),
         "skipped": [{"file": str(s.path), "reason": s.reason} for s in trained.skipped],
+        "descriptor": trained.database.config.descriptor,
+        "classifier": arguments.classifier,
         "distance": trained.database.distance,
         "k": trained.database.k,
         "reject": reject,
@@ -205,9 +235,11 @@ def _show_text(
     arguments: Namespace, database: NearestNeighbour, table: Confusion, suggested: float | None
 ) -> None:
     share = 100.0 * table.right / table.total
+    rule = f"k = {database.k}" if arguments.classifier == NEAREST else "kernel ridge regression"
+    descriptor = "" if arguments.descriptor == "vfh" else f"descriptor {arguments.descriptor}, "
     print(
-        f"{arguments.output}: {table.total} entries of {len(table.classes)} classes, "
-        f"distance {database.distance}, k = {database.k}"
+        f"{arguments.output}: {table.total} entries of {len(table.classes)} classes, {descriptor}"
+        f"distance {database.distance}, {rule}"
     )
     print(f"Leave-one-out: {table.right} of {table.total} are right ({share:.1f} %):")
     print(table)

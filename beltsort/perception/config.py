@@ -2,8 +2,11 @@
 
 import sys
 from dataclasses import asdict, dataclass
+from typing import Literal, TypeAlias, get_args
 
 import beltsort
+
+Descriptor: TypeAlias = Literal["vfh", "vfh+size"]
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,9 @@ class PerceptionConfig:
     size_component
         Whether the descriptor counts distances from the centroid in centimetres, so that size separates
         classes.
+    descriptor
+        `vfh`: the viewpoint feature histogram. `vfh+size`: the same followed by the candidate's height and
+        horizontal extents, see `size_features`; needs points in the belt frame.
     """
 
     rim_clearance: float = 0.005
@@ -57,12 +63,17 @@ class PerceptionConfig:
     fewest_labelled: int = 40
     normal_neighbours: int = 20
     size_component: bool = True
+    descriptor: Descriptor = "vfh"
 
     def __post_init__(self) -> None:
-        """Refuse settings that leave no cloud."""
+        """Refuse settings that leave no cloud, and unknown descriptors."""
+        if self.descriptor not in get_args(Descriptor):
+            raise beltsort.ArgumentError(
+                f"descriptor is {self.descriptor!r}, expected one of {list(get_args(Descriptor))}"
+            )
         for name, value in asdict(self).items():
             most = 1.0 if name in ("cluster_share", "opening_seen") else sys.float_info.max
-            if name != "size_component" and not 0.0 < value <= most:
+            if name not in ("size_component", "descriptor") and not 0.0 < value <= most:
                 raise beltsort.ArgumentError(
                     f"{name} is {value}, expected above 0 and finite, a share up to 1: start from the default"
                 )

@@ -9,22 +9,42 @@ from collections.abc import Mapping
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.errors import DatabaseError
-from beltsort.perception.vfh import LENGTH
+from beltsort.perception.descriptor import LONGEST
 
-VERSION = 2
-READABLE = (1, 2)  # version 1 knew one neighbour, chi-square distance and no rejection
+VERSION = 3
+READABLE = (1, 2, 3)
+"""Version 1 had one neighbour, the chi-square distance and no rejection; 2 VFHs only, and no coefficients."""
+
 MOST_ENTRIES = 100_000
 LONGEST_HEADER = 2**20  # bytes
+LARGEST_COEFFICIENTS = 2**26  # bytes
 NPY_PREAMBLE = 2**14  # bytes, at most, before the values of an array
 
-Arrays = tuple[NDArray[np.float64], NDArray[np.int64], dict[str, Any]]
+
+class Stored(NamedTuple):
+    """The content of a file.
+
+    Attributes
+    ----------
+    descriptors, labels
+        Shapes (n, m) and (n,).
+    header
+        Settings.
+    coefficients
+        Of a kernel ridge classifier, shape (n, L); None in the file of a nearest-neighbour classifier.
+    """
+
+    descriptors: NDArray[np.float64]
+    labels: NDArray[np.int64]
+    header: dict[str, Any]
+    coefficients: NDArray[np.float64] | None
 
 
 def write_database(
@@ -32,8 +52,9 @@ def write_database(
     descriptors: NDArray[np.float64],
     labels: NDArray[np.int64],
     header: Mapping[str, Any],
+    coefficients: NDArray[np.float64] | None = None,
 ) -> None:
-    """Write descriptors, shape (n, 308), labels, shape (n,), and a header that is written as JSON.
+    """Write arrays as in `Stored`, and a header that is written as JSON.
 
     Raises
     ------
@@ -41,14 +62,17 @@ def write_database(
         If the file cannot be written.
     """
     text = json.dumps({"version": VERSION, **header}, allow_nan=False)
+    arrays: dict[str, NDArray[Any]] = {"descriptors": descriptors, "labels": labels, "header": np.array(text)}
+    if coefficients is not None:
+        arrays["coefficients"] = coefficients
     try:
         with Path(path).open("wb") as file:
-            np.savez_compressed(file, descriptors=descriptors, labels=labels, header=np.array(text))
+            np.savez_compressed(file, allow_pickle=False, **arrays)
     except OSError as reason:
         raise DatabaseError(f"cannot write {path}: {reason}; choose a writable path") from reason
 
 
-def read_database(path: str | PathLike[str]) -> Arrays:
+def read_database(path: str | PathLike[str]) -> Stored:
     """Read what `write_database` wrote, in this version or an earlier one of `READABLE`.
 
     Raises
@@ -60,9 +84,12 @@ def read_database(path: str | PathLike[str]) -> Arrays:
         header = json.loads(str(_member(archive, "header", "U", LONGEST_HEADER)))
         if header["version"] not in READABLE:
             raise ValueError(f"its version is {header['version']!r}, expected one of {READABLE}")
-        descriptors = _member(archive, "descriptors", "f8", 8 * MOST_ENTRIES * LENGTH)
+        descriptors = _member(archive, "descriptors", "f8", 8 * MOST_ENTRIES * LONGEST)
         labels = _member(archive, "labels", "i8", 8 * MOST_ENTRIES)
-    return descriptors, labels, header
+        coefficients = None
+        if "coefficients.npy" in archive.namelist():
+            coefficients = _member(archive, "coefficients", "f8", LARGEST_COEFFICIENTS)
+    return Stored(descriptors, labels, header, coefficients)
 
 
 def _member(archive: ZipFile, name: str, kind: str, most: int) -> NDArray[Any]:

@@ -17,7 +17,7 @@ from typing import cast
 
 from beltsort.errors import DatabaseError
 from beltsort.perception.classifier import Classifier
-from beltsort.perception.nearest import NearestNeighbour
+from beltsort.perception.kernel_ridge import load_trained
 from beltsort.perception.probabilities import FromProbabilities, ProbabilityClassifier
 
 GROUP = "beltsort.classifier"
@@ -31,7 +31,7 @@ def load_classifier(name: str, folder: Path | None = None) -> Classifier:
     Parameters
     ----------
     name
-        The path of a file that `NearestNeighbour.save` wrote, `module:object`, or the name of an entry point.
+        The path of a file that `beltsort train` wrote, `module:object`, or the name of an entry point.
     folder
         Where relative paths start, and where modules are found that are not installed; default: the working
         folder. It stays at the end of `sys.path`, since modules may import others later.
@@ -52,7 +52,7 @@ correct the name, or install what it needs
     """
     folder = folder or Path()
     if (folder / name).exists():
-        return NearestNeighbour.load(folder / name)
+        return load_trained(folder / name)
     if is_reference(name):
         if (path := str(folder.resolve())) not in sys.path:
             sys.path.append(path)
@@ -60,7 +60,7 @@ correct the name, or install what it needs
     installed = {entry.name: entry for entry in entry_points(group=GROUP)}
     if name in installed:
         return _loaded(installed[name])
-    return NearestNeighbour.load(folder / name)
+    return load_trained(folder / name)
 
 
 def is_reference(name: str) -> bool:

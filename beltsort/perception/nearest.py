@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,10 +14,10 @@ from beltsort.geometry import Points
 from beltsort.perception.checks import as_array
 from beltsort.perception.classifier import Match
 from beltsort.perception.config import PerceptionConfig
-from beltsort.perception.database import MOST_ENTRIES, read_database, write_database
-from beltsort.perception.descriptor import describe
+from beltsort.perception.database import MOST_ENTRIES, Stored, read_database, write_database
+from beltsort.perception.descriptor import describe, length_of
 from beltsort.perception.distances import DISTANCES, distances_to
-from beltsort.perception.vfh import LENGTH, Histogram
+from beltsort.perception.vfh import Histogram
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,7 @@ class NearestNeighbour:
     Attributes
     ----------
     descriptors
-        Shape (n, 308).
+        Shape (n, m); m is 308, or 311 with the size (`PerceptionConfig.descriptor`).
     labels
         Class index of each descriptor, shape (n,).
     classes
@@ -76,11 +77,12 @@ class NearestNeighbour:
         self._check_settings()
 
     def _check_arrays(self) -> None:
-        n = self.labels.size
-        if n == 0 or self.descriptors.shape != (n, LENGTH) or self.labels.shape != (n,):
+        n, length = self.labels.size, length_of(self.config)
+        if n == 0 or self.descriptors.shape != (n, length) or self.labels.shape != (n,):
             raise DatabaseError(
                 f"descriptors and labels have shapes {self.descriptors.shape} and {self.labels.shape}, "
-                f"expected (n, {LENGTH}) and (n,) with n > 0: give one label for each descriptor"
+                f"expected (n, {length}) and (n,) with n > 0: give one label for each descriptor, of "
+                f"{self.config.descriptor}"
             )
         if n > MOST_ENTRIES:
             raise DatabaseError(f"{n} descriptors, expected at most {MOST_ENTRIES}: train on fewer")
@@ -132,7 +134,7 @@ class NearestNeighbour:
         Parameters
         ----------
         descriptors
-            One row for each training cloud, as `describe` returns them, shape (n, 308).
+            One row for each training cloud, as `describe` returns them, shape (n, m).
         labels
             Class index of each row, shape (n,).
         classes
@@ -181,14 +183,24 @@ class NearestNeighbour:
         return match.distance > self.training_distance
 
     def match(self, descriptor: ArrayLike) -> Match:
-        """Return the answer for `descriptor`, shape (308,); the first of equally near entries comes first.
+        """Return the answer for `descriptor`, shape (m,); the first of equally near entries comes first.
 
         Raises
         ------
         DatabaseError
             If the descriptor has another shape or a value that is negative or not finite.
         """
-        return self.vote(distances_to(self.distance, self.bins, _checked(descriptor)))
+        return self.vote(self.distances(descriptor))
+
+    def distances(self, descriptor: ArrayLike) -> NDArray[np.float64]:
+        """Return the distances of `descriptor`, shape (m,), to all entries, shape (n,).
+
+        Raises
+        ------
+        DatabaseError
+            As `match`.
+        """
+        return distances_to(self.distance, self.bins, _checked(descriptor, length_of(self.config)))
 
     def vote(self, distances: NDArray[np.float64]) -> Match:
         """Return the answer for given distances to all entries, shape (n,); infinite ones do not vote."""
@@ -196,14 +208,18 @@ class NearestNeighbour:
         voters = near[np.argsort(distances[near], kind="stable")][: self.k]
         voters = voters[np.isfinite(distances[voters])]
         votes = np.bincount(self.labels[voters], minlength=len(self.classes))
+        match = Match(None, votes / max(len(voters), 1), self.class_distances(distances))
+        return replace(match, label=match.ranking[0]).within(self.reject)
+
+    def class_distances(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the distance to each class, shape (L,), given those to all entries, shape (n,)."""
         nearest = np.full(len(self.classes), np.inf)
         np.minimum.at(nearest, self.labels, distances)
-        match = Match(None, votes / max(len(voters), 1), nearest)
-        return replace(match, label=match.ranking[0]).within(self.reject)
+        return nearest
 
     @cached_property
     def bins(self) -> NDArray[np.float64]:
-        """The descriptors, one row for each bin, shape (308, n)."""
+        """The descriptors, one row for each bin, shape (m, n)."""
         return np.ascontiguousarray(self.descriptors.T)
 
     def save(self, path: str | PathLike[str]) -> None:
@@ -214,8 +230,13 @@ class NearestNeighbour:
         DatabaseError
             If the file cannot be written.
         """
-        header = {name: getattr(self, name) for name in ("classes", *SETTINGS)}
-        write_database(path, self.descriptors, self.labels, {**header, "config": asdict(self.config)})
+        write_database(path, self.descriptors, self.labels, self.header)
+
+    @property
+    def header(self) -> dict[str, Any]:
+        """Everything but the arrays, as plain data for JSON."""
+        settings = {name: getattr(self, name) for name in ("classes", *SETTINGS)}
+        return {**settings, "config": asdict(self.config)}
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> "NearestNeighbour":
@@ -227,25 +248,39 @@ class NearestNeighbour:
             If the file is missing, damaged, of another version, or no database.
         """
         try:
-            descriptors, labels, header = read_database(path)
-            config = PerceptionConfig(**header["config"])
-            settings = {name: header[name] for name in SETTINGS if name in header}
-            return cls.train(descriptors, labels, header["classes"], config, **settings)
+            stored = read_database(path)
+            if stored.coefficients is not None:
+                raise ValueError("it holds a kernel ridge classifier, expected a nearest-neighbour one")
+            return cls.of(stored)
         except Exception as reason:  # whatever a parser stumbles over means that the file is damaged
             raise DatabaseError(
                 f"cannot read the database {path}: {reason}; "
                 "expected a .npz file that NearestNeighbour.save wrote: train again"
             ) from reason
 
+    @classmethod
+    def of(cls, stored: Stored) -> "NearestNeighbour":
+        """Return the database whose arrays and header are given.
+
+        Raises
+        ------
+        Exception
+            Of any kind, if they do not fit together.
+        """
+        descriptors, labels, header, _ = stored
+        config = PerceptionConfig(**header["config"])
+        settings = {name: header[name] for name in SETTINGS if name in header}
+        return cls.train(descriptors, labels, header["classes"], config, **settings)
+
 
 SETTINGS = ("distance", "k", "reject", "training_distance")
 
 
-def _checked(descriptor: ArrayLike) -> Histogram:
+def _checked(descriptor: ArrayLike, length: int) -> Histogram:
     histogram: Histogram = as_array("descriptor", descriptor, DatabaseError)
-    if histogram.shape != (LENGTH,):
+    if histogram.shape != (length,):
         raise DatabaseError(
-            f"the descriptor has shape {histogram.shape}, expected ({LENGTH},): compute it with describe"
+            f"the descriptor has shape {histogram.shape}, expected ({length},): compute it with describe"
         )
     bad = ~(np.isfinite(histogram) & (histogram >= 0.0))
     if bad.any():

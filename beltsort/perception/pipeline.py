@@ -8,6 +8,7 @@ from beltsort.geometry import BeltLayout, Points
 from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.finding import Finding
+from beltsort.perception.kernel_ridge import KernelRidge
 from beltsort.perception.label_rule import LabelRule, rule_of
 from beltsort.perception.named_classifier import as_classifier
 from beltsort.perception.nearest import NearestNeighbour
@@ -90,7 +91,7 @@ class Perception:
         rule: LabelRule | None = None,
     ) -> None:
         classifier = as_classifier(classifier)
-        trained = classifier.config if isinstance(classifier, NearestNeighbour) else config
+        trained = classifier.config if isinstance(classifier, NearestNeighbour | KernelRidge) else config
         trained = trained or PerceptionConfig()
         config = config or trained
         differing = [

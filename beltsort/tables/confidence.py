@@ -14,6 +14,7 @@ from scipy.special import log_softmax
 
 import beltsort
 from beltsort.perception.classifier import Classifier
+from beltsort.perception.kernel_ridge import KernelRidge
 from beltsort.perception.label_edges import fit_label_rule
 from beltsort.perception.label_rule import MOST_LEVELS, LabelRule, Score
 from beltsort.perception.leave_one_out import leave_one_out
@@ -55,9 +56,9 @@ def fit_levels(
 ) -> RuleChoice:
     """Fit a rule of labels with confidence: its edges, and the number of levels unless it is given.
 
-    The score is the margin, or the probability of the best class from a classifier without distances. Its
-    edges are quantiles: for a database, of the margins of its own entries by leaving one out, otherwise of
-    the scores in the scans.
+    The score is the margin, or the probability of the best class from a `KernelRidge` or a classifier without
+    distances. Its edges are quantiles: for a trained classifier, of its own entries' scores by leaving one
+    out, otherwise of the scores in the scans.
 
     Parameters
     ----------
@@ -71,14 +72,15 @@ def fit_levels(
     ArgumentError, DatabaseError
         As `fit_label_rule` and `choose_rule`.
     """
-    if isinstance(classifier, NearestNeighbour):
+    if isinstance(classifier, NearestNeighbour | KernelRidge):
         matches, true = leave_one_out(classifier), classifier.labels.tolist()
     else:
         seen = [pair for scan in scans for pair in zip(scan.seen, scan.true, strict=True)]
         known = [(each.match, c) for each, c in seen if each.match is not None and c is not None]
         matches, true = [match for match, _ in known], [c for _, c in known]
     with_distances = all(match.distances is not None for match in matches)
-    score: Score = "margin" if with_distances else "probability"
+    by_distance = with_distances and not isinstance(classifier, KernelRidge)
+    score: Score = "margin" if by_distance else "probability"
     numbers = range(1, MOST_LEVELS + 1) if levels is None else [levels]
     rules = [fit_label_rule(classifier.classes, matches, true, n, score=score) for n in numbers]
     return choose_rule(rules, scans, viewpoints, smoothing=smoothing)

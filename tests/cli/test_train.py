@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from beltsort.cli import main
-from beltsort.perception import NearestNeighbour
+from beltsort.perception import NearestNeighbour, load_trained
 from beltsort.perception.training import read_candidate, train_from_clouds
 from tests.perception.cloud_folders import SHAPES, cloud, cloud_folder
 
@@ -62,6 +62,32 @@ def test_train_as_json(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixtu
     assert facts["confusion"] == [[0, 0, 3], [0, 0, 3]]
     assert (facts["right"], facts["recall"]) == (0, {"long": 0.0, "round": 0.0})
     assert [skipped["file"] for skipped in facts["skipped"]] == [str(folder / "round" / "notes.md")]
+
+
+def test_kernel_ridge_with_the_size(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(tmp_path / "sized.npz")
+    options = ["--descriptor", "vfh+size", "--classifier", "kernel-ridge", "--viewpoint", "0,0,1.5"]
+    assert main(["train", str(folder), "-o", path, *options]) == 0
+    assert "descriptor vfh+size, distance chi2, kernel ridge regression\n" in capsys.readouterr().out
+    assert load_trained(path).config.descriptor == "vfh+size"
+    assert main(["classify", path, str(folder / "long" / "0.npy"), "--viewpoint", "0,0,1.5"]) == 0
+    assert re.search(r"0\.npy +long\b", capsys.readouterr().out)
+
+
+def test_the_camera_frame_has_no_size(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ["-o", str(tmp_path / "sized.npz"), "--descriptor", "vfh+size"]
+    assert main(["train", str(folder), *options]) != 0
+    assert "belt frame" in capsys.readouterr().err
+
+
+def test_neighbours_do_not_vote_in_kernel_ridge_regression(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ["-o", str(tmp_path / "a.npz"), "--classifier", "kernel-ridge", "-k", "3"]
+    assert main(["train", str(folder), *options]) != 0
+    assert "-k 3 does not apply" in capsys.readouterr().err
 
 
 def test_the_figure_is_a_picture(folder: Path, tmp_path: Path) -> None:

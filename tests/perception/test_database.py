@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from beltsort.errors import DatabaseError
 from beltsort.perception import NearestNeighbour
 from beltsort.perception.database import MOST_ENTRIES
+from beltsort.perception.descriptor import LONGEST
 from tests.laws import cases
 
 from .databases import database
@@ -100,7 +101,7 @@ def test_no_file_is_a_database_error(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("field", "value", "said"),
     [
-        ("version", 3, r"\bversion\b.*\b3\b.*\(1, 2\)"),
+        ("version", 4, r"\bversion\b.*\b4\b.*\(1, 2, 3\)"),
         ("version", ..., "'version'"),
         ("classes", ["a"], r"labels\b.*\b2\b.*\['a'\]"),
         ("classes", ["a", "b", "b"], r"classes\b.*'a', 'b', 'b'"),
@@ -175,14 +176,14 @@ def test_a_huge_declared_shape_allocates_nothing(path: Path) -> None:
 
 
 def test_a_bomb_is_not_unpacked(path: Path) -> None:
-    shape = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({MOST_ENTRIES + 1000}, 308)}}"
+    shape = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({MOST_ENTRIES + 1000}, {LONGEST})}}"
     write_parts(path)
     with ZipFile(path, "a", ZIP_DEFLATED) as archive, archive.open("descriptors.npy", "w") as packed:
         packed.write(npy(shape, b""))
         for _ in range(MOST_ENTRIES // 1000 + 1):
-            packed.write(bytes(8 * 308 * 1000))
+            packed.write(bytes(8 * LONGEST * 1000))
     assert path.stat().st_size < 2**20
-    assert str(MOST_ENTRIES * 8 * 308) in refused_within(path, 2**20)
+    assert str(MOST_ENTRIES * 8 * LONGEST) in refused_within(path, 2**20)
 
 
 def test_a_size_that_the_archive_lies_about_is_a_database_error(path: Path) -> None:
