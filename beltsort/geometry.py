@@ -96,6 +96,14 @@ class SphereViewpoint:
         return look_at(on_sphere(self.azimuth, self.elevation, self.radius, belt_end), belt_end)
 
 
+def inverse(pose: Pose) -> Pose:
+    """Return the inverse of a rigid transform, shape (4, 4)."""
+    inverted = np.eye(4)
+    inverted[:3, :3] = pose[:3, :3].T
+    inverted[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return inverted
+
+
 def transform(pose: Pose, points: Points) -> Points:
     """Apply a rigid transform, shape (4, 4), to points of shape (..., 3)."""
     return points @ pose[:3, :3].T + pose[:3, 3]

@@ -17,6 +17,7 @@ from beltsort import BeltsortError, __version__
 from beltsort.cell.commands import CommandError, EmergencyStopError
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cli import (
+    calibrate_belt,
     calibrate_check,
     check,
     classify,
@@ -60,6 +61,7 @@ COMMANDS = (
     classify,
     estimate,
     prepare,
+    calibrate_belt,
     calibrate_check,
     show,
     explain,

@@ -13,7 +13,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from beltsort.geometry import BeltLayout, Points, Pose, transform
+from beltsort.geometry import BeltLayout, Points, Pose, inverse, transform
 from beltsort.perception.level import BANDS, REACH, levelled
 
 LEAST_SHARE = 0.2
@@ -174,12 +174,12 @@ def _corrections(points: Points, pose: Pose, level: Pose) -> Iterator[tuple[Pose
         (PoseCause.POSE_KM, 1.0, 1000.0),
     ):
         yield PoseFault(cause), for_points * points, _scaled(pose, for_pose)
-    yield PoseFault(PoseCause.INVERSE), points, _inverse(pose)
+    yield PoseFault(PoseCause.INVERSE), points, inverse(pose)
     yield PoseFault(PoseCause.CAMERA_Y_UP), points * [1.0, -1.0, -1.0], pose
     yield PoseFault(PoseCause.WORLD_Y_UP), points, _rotated(_Z_FROM_Y, pose)
     yield PoseFault(PoseCause.WORLD_Z_DOWN), points, _rotated(np.diag([1.0, -1.0, -1.0]), pose)
     yield PoseFault(PoseCause.CAMERA_X_FORWARD), points @ _OPTICAL_FROM_BODY.T, pose
-    yield PoseFault(PoseCause.TRANSPOSED), points, _transposed(pose)
+    yield PoseFault(PoseCause.TRANSPOSED), points, transposed(pose)
     yield PoseFault(PoseCause.MIRRORED_POINTS), points * [1.0, -1.0, 1.0], pose
     yield PoseFault(PoseCause.TILTED), points, level
 
@@ -218,13 +218,8 @@ def _rotated(rotation: Points, pose: Pose) -> Pose:
     return rotated
 
 
-def _transposed(pose: Pose) -> Pose:
+def transposed(pose: Pose) -> Pose:
+    """Return the pose with its rotation transposed, shape (4, 4)."""
     transposed = pose.copy()
     transposed[:3, :3] = pose[:3, :3].T
     return transposed
-
-
-def _inverse(pose: Pose) -> Pose:
-    inverse = _transposed(pose)
-    inverse[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return inverse
