@@ -88,9 +88,8 @@ def main() -> None:
     )
     model.save(HERE / "plant.json")
     accuracy = [f"{share:.2f}" for share in tables.counts.accuracy()[0]]
-    print(
-        f"{rule.levels} levels of confidence; at the belt end, {', '.join(accuracy)} of the labels are right"
-    )
+    print(choice)
+    print(f"at the belt end, {', '.join(accuracy)} of the labels are right, by viewpoint")
 
 
 if __name__ == "__main__":
