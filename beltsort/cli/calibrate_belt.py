@@ -1,14 +1,15 @@
-"""`beltsort calibrate-belt`: a first pose of the belt, from scans."""
+"""`beltsort calibrate-belt`: a first pose of the belt, and of the camera on the flange, from scans."""
 
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
-    from beltsort.extrinsics.calibrate import Calibration
+    from beltsort.extrinsics.calibration import Calibration
     from beltsort.extrinsics.scans import MarkedScans
     from beltsort.geometry import Pose
 
@@ -16,7 +17,8 @@ DESCRIPTION = """
 Find the pose of the belt in the robot's world frame, `world_from_belt` of the cell file, from scans of the
 belt with an object that stands at two places or more: at the belt end, and upstream of it. SCANS.jsonl has a
 line of JSON for each scan: its `file`, the `marks` ([x, y] of each object, metres, x upstream of the belt
-end; the tallest object first) and `world_from_camera` (see docs/cell.md, "A first pose").
+end; the tallest object first) and `world_from_camera` (see docs/cell.md, "A first pose"). With `--hand-eye`,
+find `flange_from_camera` as well, from scans with `world_from_flange` instead.
 """
 
 
@@ -26,6 +28,11 @@ def add_parser(subparsers: Subparsers) -> None:
         "calibrate-belt", help="find the belt's pose from scans", description=DESCRIPTION
     )
     parser.add_argument("scans", type=Path, metavar="SCANS.jsonl", help="a line of JSON for each scan")
+    parser.add_argument(
+        "--hand-eye",
+        action="store_true",
+        help="also find flange_from_camera, from 3 or more poses of the flange, better 10",
+    )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="write the lines for the cell file (TOML)"
     )
@@ -40,7 +47,12 @@ def run(arguments: Namespace) -> int:
     if arguments.output is not None:
         check_writable(arguments.output)
     marked = read_scans(arguments.scans)
-    result = calibrate(marked.scans)
+    if arguments.hand_eye != (marked.frame == "flange"):
+        raise ArgumentError(
+            f"{arguments.scans} has the poses of {marked.frame}: give world_from_camera, or "
+            "world_from_flange and --hand-eye"
+        )
+    result = calibrate(marked.scans, hand_eye=arguments.hand_eye)
     lines = cell_file_lines(result)
     if arguments.output is not None:
         arguments.output.write_text(lines)
@@ -65,9 +77,11 @@ def as_json(marked: "MarkedScans", result: "Calibration") -> dict[str, Any]:
         }
         for scan, residual in zip(marked.scans, result.residuals, strict=True)
     ]
+    hand_eye = result.flange_from_camera
     return {
         "poses_of": marked.frame,
         "world_from_belt": transform_of(result.world_from_belt),
+        "flange_from_camera": None if hand_eye is None else transform_of(hand_eye),
         "redundancy": result.redundancy,
         "scans": scans,
     }
@@ -83,7 +97,10 @@ def transform_of(pose: "Pose") -> dict[str, list[float]]:
 
 def cell_file_lines(result: "Calibration") -> str:
     """Return the lines for the cell file."""
-    return f"[belt]\nworld_from_belt = {_inline(result.world_from_belt)}\n"
+    lines = f"[belt]\nworld_from_belt = {_inline(result.world_from_belt)}\n"
+    if result.flange_from_camera is None:
+        return lines
+    return f"[camera]\nflange_from_camera = {_inline(result.flange_from_camera)}\n\n{lines}"
 
 
 def _inline(pose: "Pose") -> str:
@@ -101,7 +118,11 @@ def show(marked: "MarkedScans", result: "Calibration") -> None:
         rows.append((scan.file, f"{1000.0 * seen.rms:.1f}", f"{seen.share:.0%}", *deviations))
     print("Belt plane of each scan, and its deviation from the result:")
     print_table(rows)
-    if result.redundancy < len(rows):
+    if result.redundancy > len(marked.scans):
+        tilt = max(residual.tilt for residual in result.residuals)
+        distance = max(residual.distance for residual in result.residuals)
+        print(f"The scans agree with it to {distance:.1f} mm and {tilt:.2f} degrees.")
+    else:
         print("So few scans agree with almost any result: take more, from other poses, to see its errors.")
     if marked.frame == "none":
         print("No scan has a pose, so the world frame is the camera frame, and the camera must not move.")

@@ -27,8 +27,8 @@ BELT_VOXEL, BELT_GAP = 0.02, 0.06  # metres
 LOWEST, TALLEST = 0.015, 0.4  # metres above the belt, of the top of a mark
 WIDEST = 0.3  # metres; larger clusters are parts of the machine
 VOXEL, GAP = 0.004, 0.015  # metres
-FEWEST_VOXELS = 20
-TOP_QUANTILE, TOP_BAND = 0.95, 0.006  # metres about the height of the top
+FEWEST_VOXELS = 60  # flying pixels behind an object make smaller clusters
+TOP_QUANTILE, TOP_BAND = 0.95, 0.004  # metres about the height of the top
 LEAST_DIFFERENCE = 0.015  # metres between the heights of marks in one scan
 
 
@@ -195,9 +195,11 @@ def _largest(points: Points, gap: float) -> Points:
 
 
 def _top(mark: Points) -> Points:
-    """Return the centroid of the highest points of a mark, voxel means, shape (3,).
+    """Return the centroid of the area of a mark's top, and its height, shape (3,).
 
-    Means of voxels, since a camera sees more points on the nearer half.
+    Of the area, not of the points: more of them are seen on the nearer half, and on the side below its edge.
     """
-    height = np.quantile(mark[:, 2], TOP_QUANTILE)
-    return np.asarray(mark[np.abs(mark[:, 2] - height) < TOP_BAND].mean(axis=0))
+    height = float(np.quantile(mark[:, 2], TOP_QUANTILE))
+    top = mark[np.abs(mark[:, 2] - height) < TOP_BAND]
+    x, y, _ = voxel_means(top * [1.0, 1.0, 0.0], VOXEL).mean(axis=0)
+    return np.array([x, y, height])

@@ -1,14 +1,16 @@
 """Simulated scans of a belt with marks: cylinders at known places."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from beltsort.extrinsics.landmarks import find_landmarks
+from beltsort.extrinsics.landmarks import Landmarks, find_landmarks
 from beltsort.extrinsics.scans import MarkedScan
-from beltsort.geometry import Points, Pose, SphereViewpoint, inverse, look_at
+from beltsort.geometry import Points, Pose, inverse, look_at, on_sphere
 from beltsort.sim.config import ArmErrors
 from beltsort.sim.noise import noisy_depth
 from beltsort.sim.scene import Scene
@@ -55,28 +57,43 @@ def cloud(view_of: Scene, belt_from_camera: Pose, seed: int = 0) -> Points:
     return points[np.isfinite(points).all(axis=1)]
 
 
-def poses(count: int, radius: float = 0.8) -> list[Pose]:
-    """Return cameras around the belt, `belt_from_camera`, each turned about its optical axis."""
+MOST = 40
+
+
+def poses(count: int) -> list[Pose]:
+    """Return cameras around the belt, `belt_from_camera`, some turned about their optical axes.
+
+    Their distances differ: if the camera only turned about one point, mirrored points would fit as well.
+    """
     found = []
     middle = np.array([0.15, 0.0, 0.0])
     for n in range(count):
-        eye = SphereViewpoint("", 137.5 * n, 35.0 + 40.0 * n / count, radius).pose()[:3, 3]
-        pose = look_at(middle + eye, middle)
-        turn = np.radians(25.0 * (n % 3 - 1))
-        pose[:3, :2] = pose[:3, :2] @ [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
-        found.append(pose)
+        elevation, radius = 35.0 + 40.0 * (7 * n % MOST) / MOST, 0.7 + 0.07 * (n % 4)
+        pose = look_at(middle + on_sphere(137.5 * n, elevation, radius, np.zeros(3)), middle)
+        found.append(pose @ pose_of([0.0, 0.0, np.radians(25.0 * (n % 3 - 1))], [0.0, 0.0, 0.0]))
     return found
+
+
+@cache
+def landmarks(n: int) -> Landmarks:
+    return find_landmarks(cloud(scene(), poses(n + 1)[n], n), len(PLACES))
 
 
 def marked_scans(
     world_from_belt: Pose, count: int, arm: ArmErrors = PRECISE, flange_from_camera: Pose | None = None
 ) -> list[MarkedScan]:
-    """Return scans with the poses that the arm reports, of the camera or, with a hand-eye, of the flange."""
-    view_of, rng = scene(), np.random.default_rng(3)
-    camera_from_flange = np.eye(4) if flange_from_camera is None else inverse(flange_from_camera)
+    """Return scans with the poses that an arm reports, of the camera or, with a hand-eye, of the flange."""
+    rng = np.random.default_rng(3)
     scans = []
     for n, pose in enumerate(poses(count)):
-        points = cloud(view_of, arm.true_pose(pose, rng), n)
-        landmarks = find_landmarks(points, len(PLACES))
-        scans.append(MarkedScan(f"{n}.npy", PLACES, landmarks, world_from_belt @ pose @ camera_from_flange))
+        reported = world_from_belt @ pose @ inverse(arm.true_pose(np.eye(4), rng))
+        if flange_from_camera is not None:
+            reported = reported @ inverse(flange_from_camera)
+        scans.append(MarkedScan(f"{n}.npy", PLACES, landmarks(n), reported))
     return scans
+
+
+def one_mark(scan: MarkedScan, k: int) -> MarkedScan:
+    """Return the scan as if one of its marks stood alone."""
+    alone = replace(scan.landmarks, marks=scan.landmarks.marks[[k]])
+    return replace(scan, places=scan.places[[k]], landmarks=alone)

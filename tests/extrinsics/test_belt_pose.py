@@ -7,12 +7,12 @@ import pytest
 
 from beltsort.cell.arrival import deviation
 from beltsort.errors import CellError
-from beltsort.extrinsics.calibrate import calibrate
+from beltsort.extrinsics.calibration import calibrate
 from beltsort.extrinsics.scans import MarkedScan
 from beltsort.geometry import inverse
 from beltsort.perception import PoseCause
 from beltsort.sim.config import ArmErrors
-from tests.extrinsics.marked import marked_scans, pose_of
+from tests.extrinsics.marked import marked_scans, one_mark, pose_of
 
 WORLD_FROM_BELT = pose_of([0.1, -0.2, 1.5], [0.5, -0.2, 0.1])
 
@@ -37,14 +37,8 @@ def test_one_scan_suffices(scans: list[MarkedScan]) -> None:
 
 
 def test_errors_of_a_compliant_arm_average_out() -> None:
-    result = calibrate(marked_scans(WORLD_FROM_BELT, 24, ArmErrors()))
-    assert not deviation(result.world_from_belt, WORLD_FROM_BELT).exceeds(angle=0.3, distance=5.0)
-
-
-def one_mark(scan: MarkedScan, k: int) -> MarkedScan:
-    """Return the scan as if one of its marks stood alone."""
-    landmarks = replace(scan.landmarks, marks=scan.landmarks.marks[[k]])
-    return replace(scan, places=scan.places[[k]], landmarks=landmarks)
+    result = calibrate(marked_scans(WORLD_FROM_BELT, 40, ArmErrors()))
+    assert not deviation(result.world_from_belt, WORLD_FROM_BELT).exceeds(angle=0.3, distance=2.0)
 
 
 def test_an_object_that_is_moved_between_scans_serves_as_well(scans: list[MarkedScan]) -> None:

@@ -39,7 +39,7 @@ def test_what_is_wrong_is_told(points: Points) -> None:
     alike = cloud(scene(heights=(HEIGHTS[0], HEIGHTS[0] - 0.002)), POSE)
     for given, count, message in (
         (1000.0 * points, 2, "the points are in millimetres"),
-        (points, 1, r"there is 2 objects \(120, 70 mm high\), expected 1 marks"),
+        (points, 1, r"there is 2 objects \(12\d, 7\d mm high\), expected 1 marks"),
         (cloud(scene(heights=()), POSE), 2, "there is nothing, expected 2 marks"),
         (alike, 2, "expected differences of 15 mm"),
         (blob, 2, "no plane contains 5% of the 5000 points"),

@@ -65,6 +65,25 @@ def test_without_a_pose_the_camera_frame_is_the_world(folder: Path) -> None:
     assert not deviation(found, inverse(CAMERAS[1])).exceeds(angle=0.3, distance=3.0)
 
 
+def test_hand_eye(tmp_path: Path) -> None:
+    flange_from_camera = pose_of([0.05, -0.1, 0.8], [0.02, 0.05, 0.03])
+    lines = []
+    for n, camera in enumerate(poses(4)):
+        np.save(tmp_path / f"{n}.npy", cloud(scene(), camera, n))
+        flange = WORLD_FROM_BELT @ camera @ inverse(flange_from_camera)
+        lines.append(line(n, world_from_flange=flange.tolist()))
+    path = written(tmp_path, *lines)
+    assert output("calibrate-belt", str(path), "--hand-eye").count("{ position = [") == 2
+    told = json_of("calibrate-belt", str(path), "--hand-eye")
+    for key, expected in (
+        ("flange_from_camera", flange_from_camera),
+        ("world_from_belt", WORLD_FROM_BELT),
+    ):
+        assert not deviation(from_quaternion(**told[key]), expected).exceeds(angle=0.4, distance=3.0)
+    done = command("calibrate-belt", str(path))
+    assert (done.returncode, "has the poses of flange" in done.stderr) == (2, True)
+
+
 def test_the_lines_of_the_documentation(folder: Path) -> None:
     lines = re.findall(
         r'^\{"file".*', (Path(__file__).parents[2] / "docs/cell.md").read_text("utf-8"), re.MULTILINE
