@@ -47,10 +47,12 @@ def run(arguments: Namespace) -> int:
     if arguments.output is not None:
         check_writable(arguments.output)
     marked = read_scans(arguments.scans)
-    if arguments.hand_eye != (marked.frame == "flange"):
+    if arguments.hand_eye and marked.frame != "flange":
+        raise ArgumentError(f"--hand-eye needs world_from_flange in every line of {arguments.scans}: give it")
+    if marked.frame == "flange" and not arguments.hand_eye:
         raise ArgumentError(
-            f"{arguments.scans} has the poses of {marked.frame}: give world_from_camera, or "
-            "world_from_flange and --hand-eye"
+            f"{arguments.scans} has the poses of the flange: add --hand-eye, or give world_from_camera, "
+            "which is world_from_flange times flange_from_camera"
         )
     result = calibrate(marked.scans, hand_eye=arguments.hand_eye)
     lines = cell_file_lines(result)

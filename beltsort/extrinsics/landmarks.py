@@ -135,8 +135,9 @@ def _planes(points: Points) -> Iterator[Pose]:
         plane, inside = cloud.segment_plane(RANSAC_DISTANCE, 3, RANSAC_ROUNDS)
         if len(inside) < least:
             return
-        coarse = _plane_frame(np.array(plane[:3]), rest[inside].mean(axis=0))
-        yield levelled(rest, coarse)
+        level = levelled(rest, _plane_frame(np.array(plane[:3]), rest[inside].mean(axis=0)))
+        # The origin under the camera, so that the voxels do not depend on what RANSAC has drawn.
+        yield _plane_frame(level[2, :3], -level[2, 3] * level[2, :3])
         rest = np.delete(rest, inside, axis=0)
 
 

@@ -25,6 +25,12 @@ def test_marks_are_found_under_their_tops(points: Points) -> None:
     assert found.share > 0.8
 
 
+def test_the_same_cloud_gives_the_same_marks(points: Points) -> None:
+    """RANSAC may draw other samples, but what it finds is refined."""
+    first, second = (find_landmarks(points, 2) for _ in range(2))
+    np.testing.assert_allclose(first.marks, second.marks, atol=1e-4)
+
+
 def test_a_larger_floor_and_machines_beside_the_belt_are_passed_over(points: Points) -> None:
     rng = np.random.default_rng(0)
     floor = np.column_stack([rng.uniform(-1.0, 1.0, (2 * len(points), 2)), np.full(2 * len(points), -0.6)])

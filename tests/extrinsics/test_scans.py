@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,8 @@ def test_lines_for_the_cell_file(folder: Path, tmp_path: Path) -> None:
     assert not deviation(found.pose(), WORLD_FROM_BELT).exceeds(angle=0.3, distance=2.0)
     assert [scan["file"] for scan in told["scans"]] == ["0.npy", "1.npy"]
     assert (told["poses_of"], told["redundancy"]) == ("camera", 8)
-    assert (tmp_path / "belt.toml").read_text().startswith("[belt]\nworld_from_belt = { position = [")
+    lines = tomllib.loads((tmp_path / "belt.toml").read_text())
+    assert lines == {"belt": {"world_from_belt": told["world_from_belt"]}}
 
 
 def test_without_a_pose_the_camera_frame_is_the_world(folder: Path) -> None:
@@ -81,7 +83,9 @@ def test_hand_eye(tmp_path: Path) -> None:
     ):
         assert not deviation(from_quaternion(**told[key]), expected).exceeds(angle=0.4, distance=3.0)
     done = command("calibrate-belt", str(path))
-    assert (done.returncode, "has the poses of flange" in done.stderr) == (2, True)
+    assert (done.returncode, "poses of the flange: add --hand-eye" in done.stderr) == (2, True)
+    done = command("calibrate-belt", str(written(tmp_path, posed(0))), "--hand-eye")
+    assert (done.returncode, "needs world_from_flange in every line" in done.stderr) == (2, True)
 
 
 def test_the_lines_of_the_documentation(folder: Path) -> None:
