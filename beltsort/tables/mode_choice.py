@@ -15,6 +15,8 @@ from beltsort.tables.repeated_looks import Array, RepeatedLooks
 from beltsort.tables.sticky import fit_sticky_labels
 
 MOST_MODES = 8
+MOST_KINDS = 512
+"""Kinds of sticky labels, in all classes, that planners still handle; there are Z^K for each class."""
 FOLDS = 5
 NEGLIGIBLE = 0.01  # share of the best log-loss
 DEPENDENT = 0.01  # p-value below which looks at an object are known to repeat each other
@@ -164,11 +166,16 @@ def fixed_modes(looks: RepeatedLooks, modes: int, settings: ModeSettings | None 
 
 
 def candidates(looks: RepeatedLooks, settings: ModeSettings, most: int = MOST_MODES) -> Iterator[Candidate]:
-    """Yield what there is to choose from: one mode, sticky labels, 2 to `most` modes, the named modes."""
+    """Yield what there is to choose from: one mode, sticky labels, 2 to `most` modes, the named modes.
+
+    Sticky labels of more than `MOST_KINDS` kinds are left out.
+    """
     yield Candidate(ONE_MODE, partial(fit_modes, modes=1, settings=settings))
     if all(reason is not None for reason in one_mode_reasons(looks)):
         return
-    yield Candidate(STICKY, partial(fit_sticky_labels, smoothing=settings.smoothing))
+    shape = looks.shape
+    if shape.classes * shape.labels**shape.viewpoints <= MOST_KINDS:
+        yield Candidate(STICKY, partial(fit_sticky_labels, smoothing=settings.smoothing))
     for modes in range(2, most + 1):
         yield Candidate(f"{modes} modes", partial(_latent, modes=modes, settings=settings))
     if looks.known:

@@ -9,11 +9,12 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from plant_classifier import DATABASE, Softmax
+from plant_classifier import TRAINED, Network
 
 import beltsort
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.simulated import trainable_config
+from beltsort.perception import KernelRidge, PerceptionConfig
 from beltsort.perception.probabilities import FromProbabilities
 from beltsort.sim.collect import collect_matches, collect_training
 from beltsort.sim.surfaces import Mesh, revolve
@@ -73,9 +74,10 @@ def main() -> None:
     cell = CellDescription.load(HERE / "plant.toml")
     config, classes, viewpoints = trainable_config(cell), cell.classes, cell.viewpoint_names
 
-    database = collect_training(config, objects=options.training)
-    database.save(HERE / DATABASE)
-    classifier = FromProbabilities(Softmax(database))
+    seen = PerceptionConfig(descriptor="vfh+size")  # classes differ in height
+    trained = KernelRidge.train(collect_training(config, seen, objects=options.training))
+    trained.save(HERE / TRAINED)
+    classifier = FromProbabilities(Network(trained))
     # Every object is seen twice in every row of the tables: this tells how looks at one depend on each other.
     matches = collect_matches(classifier, config, objects=options.objects, passages=True)
     rule = fit_levels(classifier, matches, len(viewpoints), levels=2).rule

@@ -1,7 +1,6 @@
-"""A classifier that returns probabilities, as a network does: a softmax of the distances to training scans.
+"""A classifier that returns probabilities, which `plant.toml` names as `plant_classifier:load`.
 
-`plant.toml` names it as `plant_classifier:load`. Put your own network in its place: `classes`, and
-`probabilities` of one candidate.
+Put a network of your own in its place: all it needs are `classes`, and `probabilities` of one candidate.
 """
 
 from pathlib import Path
@@ -10,27 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.geometry import Points
-from beltsort.perception import NearestNeighbour
+from beltsort.perception import KernelRidge
 
-DATABASE = "plant.npz"
-TEMPERATURE = 0.1  # of the softmax, in units of the distance
+TRAINED = "plant.npz"
 
 
-class Softmax:
-    """Probabilities from the distance to the nearest training example of each class."""
+class Network:
+    """Stands for a network: kernel ridge regression on the descriptors of training scans."""
 
-    def __init__(self, database: NearestNeighbour) -> None:
-        self.database = database
-        self.classes = database.classes
+    def __init__(self, trained: KernelRidge) -> None:
+        self.trained = trained
+        self.classes = trained.classes
 
     def probabilities(self, points: Points, camera: Points) -> NDArray[np.float64]:
         """Return the probability of each class, shape (L,)."""
-        distances = self.database.classify(points, camera).distances
-        assert distances is not None, "NearestNeighbour returns distances"
-        weights = np.exp((distances.min() - distances) / TEMPERATURE)
-        return np.asarray(weights / weights.sum())
+        return self.trained.classify(points, camera).scores
 
 
-def load() -> Softmax:
-    """Load the database beside this file."""
-    return Softmax(NearestNeighbour.load(Path(__file__).parent / DATABASE))
+def load() -> Network:
+    """Load what is trained, from the file beside this one."""
+    return Network(KernelRidge.load(Path(__file__).parent / TRAINED))

@@ -10,7 +10,16 @@ from beltsort.calibration.reliability import Pairs, reliability
 from beltsort.perception import LabelRule
 from beltsort.tables import LabelledScan, estimate
 from beltsort.tables.held_out import STAGES, log_posteriors, predict, stratified_folds
-from beltsort.tables.mode_choice import NAMED, ONE_MODE, STICKY, ModeChoice, Score, choose_modes, fixed_modes
+from beltsort.tables.mode_choice import (
+    NAMED,
+    ONE_MODE,
+    STICKY,
+    ModeChoice,
+    Score,
+    candidates,
+    choose_modes,
+    fixed_modes,
+)
 from beltsort.tables.modes import ModeSettings, fit_modes
 from beltsort.tables.repeated_looks import LooksAtObject, RepeatedLooks, TableShape, looks_at_objects
 from beltsort.util.calibration_error import calibration_error
@@ -92,6 +101,14 @@ def test_candidates_that_hardly_differ(excess: float, error: float, as_good: boo
 def test_named_modes_are_a_candidate() -> None:
     chosen = choose_modes(planted(120, scans=2, named=True), most=2, settings=FAST)
     assert {each.name for each in chosen.scores} == {ONE_MODE, STICKY, "2 modes", NAMED}
+
+
+def test_sticky_labels_of_more_kinds_than_planners_handle_are_no_candidate() -> None:
+    """Twelve labels and three viewpoints: 1,728 kinds of each class."""
+    objects = [LooksAtObject(n % 2, tuple((0, k, n % 12) for k in range(3))) for n in range(24)]
+    looks = RepeatedLooks.of(objects, TableShape(1, 3, 2, 12))
+    assert STICKY not in [each.name for each in candidates(looks, FAST, most=2)]
+    assert STICKY in [each.name for each in candidates(planted(24, scans=2), FAST, most=2)]
 
 
 @pytest.mark.parametrize("scans", [1, 2])
