@@ -13,8 +13,6 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import minimize_scalar
-from scipy.special import log_softmax, softmax
 
 from beltsort.errors import DatabaseError
 from beltsort.geometry import Points
@@ -98,6 +96,8 @@ class KernelRidge:
         DatabaseError
             If there are fewer than two entries, or more than `MOST_ENTRIES`.
         """
+        from scipy.optimize import minimize_scalar  # planning on the command line needs no scipy
+
         fit = _fit(database)
         found = minimize_scalar(
             lambda log_beta: -_log_probability(np.exp(log_beta) * fit.left_out, database.labels),
@@ -160,6 +160,8 @@ class KernelRidge:
         return [self._match(*pair) for pair in zip(fit.left_out, distances, strict=True)]
 
     def _match(self, scores: Array, distances: Array) -> Match:
+        from scipy.special import softmax
+
         probabilities = softmax(self.sharpness * scores)
         nearest = self.database.class_distances(distances)
         label = int(probabilities.argmax())
@@ -248,4 +250,6 @@ def _fit(database: NearestNeighbour) -> _Fit:
 
 def _log_probability(scores: Array, labels: NDArray[np.int64]) -> float:
     """Return the mean logarithm of the true classes' probabilities."""
+    from scipy.special import log_softmax
+
     return float(log_softmax(scores, axis=1)[np.arange(len(labels)), labels].mean())

@@ -57,5 +57,6 @@ def test_the_benchmark_as_json(matched: Matched, file: Path, capsys: pytest.Capt
     given = [str(file), "--objects", str(OBJECTS // 2), "--modes", "2", "--json"]
     assert main(given) == 0
     rows = json.loads(capsys.readouterr().out)["rows"]
-    assert len({(row["labels"], row["candidate"]) for row in rows}) == len(rows) == 8
+    # Four candidates for class labels, three for two levels, where sticky labels are too many kinds.
+    assert len({(row["labels"], row["candidate"]) for row in rows}) == len(rows) == 7
     assert all(row["looks"] == [4, 8, 12] and min(row["log_loss"]) > 0.0 for row in rows)

@@ -236,7 +236,7 @@ def test_rows_without_an_object_are_warned_of() -> None:
     ("arguments", "message"),
     [
         (["nowhere", "--classifier", "DB"], r"nowhere/cell\.json\b.*No such file"),
-        (["nowhere"], r"--classifier\b.*\bmissing\b.*NearestNeighbour\.save"),
+        (["nowhere"], r"--classifier\b.*\bmissing\b.*trained classifier"),
         (["nowhere", "--objects", "3"], r"--objects\b.*\bfolder\b"),
         (["simulated", "--objects", "0", "--classifier", "DB"], r"\bobjects\b.*\b0\b.*\b1\b"),
         (["simulated", "--classifier", "missing.npz"], r"missing\.npz\b.*No such file"),
