@@ -78,7 +78,8 @@ def unaccounted(files: Iterator[Path]) -> list[str]:
         f"{file.relative_to(ROOT)}:{line} {module}"
         for file in files
         for line, module in loaded_by(file.read_text("utf-8"))
-        if (top := module.split(".")[0]) not in provided and not file.with_name(f"{top}.py").exists()
+        if (top := module.split(".")[0]) not in provided
+        and not file.with_name(f"{top}.py").exists()
         and not {normal(name) for name in [*distributions.get(top, []), INSTALLED_AS.get(top, "")]} & named
     ]
 
