@@ -6,12 +6,15 @@ import warnings
 from argparse import Namespace
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from beltsort import ArgumentError
 from beltsort.cli.output import print_status
 from beltsort.cli.progress import tenths
 from beltsort.sim.config import TABLE_OBJECTS
+from beltsort.util.keyed_log import KeyedLog
+
+Log = TypeVar("Log", bound=KeyedLog)
 
 if TYPE_CHECKING:
     from beltsort.perception import Classifier, LabelRule
@@ -203,24 +206,24 @@ def with_levels(
 
 
 def log_beside(arguments: Namespace, settings: dict[str, str]) -> "LabelLog":
-    """Open the log of labels beside the model, and print the number of labels in it."""
+    """Open the log of labels beside the model, and print the number of scans in it."""
     from beltsort.tables.log import LabelLog
 
-    path = arguments.output.with_suffix(".labels")
-    log = LabelLog(path, settings | classifier_settings(arguments))
-    if known := len(log.labels()):
-        print_status(f"{known} scans are already labelled in {path}")
-    return log
+    return _opened(LabelLog, "labelled", arguments, settings)
 
 
 def match_log_beside(arguments: Namespace, settings: dict[str, str]) -> "MatchLog":
     """Open the log of matches beside the model, and print the number of scans in it."""
     from beltsort.tables.matches import MatchLog
 
-    path = arguments.output.with_suffix(".matches")
-    log = MatchLog(path, settings | classifier_settings(arguments))
+    return _opened(MatchLog, "classified", arguments, settings)
+
+
+def _opened(kind: type[Log], done: str, arguments: Namespace, settings: dict[str, str]) -> Log:
+    path = arguments.output.with_suffix(f".{kind.contents}")
+    log = kind(path, settings | classifier_settings(arguments))
     if known := len(log.values()):
-        print_status(f"{known} scans are already classified in {path}")
+        print_status(f"{known} scans are already {done} in {path}")
     return log
 
 
