@@ -31,6 +31,10 @@ class ViewpointError(BeltsortError):
     """Viewpoints cannot be chosen, reached or read."""
 
 
+class MissingExtraError(BeltsortError, ImportError):
+    """A package is missing that one of the extras provides."""
+
+
 class RecordingError(BeltsortError):
     """Recorded scans or their labels cannot be read or written."""
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from beltsort.calibration.reliability import Reliability
 from beltsort.util.calibration_error import EDGES
+from beltsort.util.extras import extra
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,8 +31,9 @@ def draw_reliability(arms: Mapping[str, Mapping[str, Reliability]], path: Path) 
     path
         The picture; its ending (png, svg, pdf) is its format.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with extra("plot"):
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     kinds = list(next(iter(arms.values())))
     figure = Figure(figsize=(INCHES * len(kinds), INCHES * len(arms) + 0.4), layout="constrained")

@@ -7,8 +7,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr
-
 from beltsort.cell.placement import Placement
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.sections import (
@@ -29,9 +27,13 @@ from beltsort.errors import ViewpointError
 from beltsort.geometry import BeltLayout
 from beltsort.perception.config import PerceptionConfig
 from beltsort.sorting.rules import Drift, Rules
+from beltsort.util.extras import extra
 from beltsort.util.naming import nearest_of
 from beltsort.util.problems import Problem
 from beltsort.util.validation import OWN_CHECKS
+
+with extra("cell"):
+    from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr
 
 VERSION = 1
 

@@ -6,7 +6,6 @@ Lengths are in metres, times in seconds, joint angles in radians, all other angl
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, FiniteFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
 from beltsort._core import DEFAULT_SCENARIOS
 from beltsort.cell.commands import TIMEOUT
@@ -17,6 +16,10 @@ from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan
+from beltsort.util.extras import extra
+
+with extra("cell"):
+    from pydantic import Field, FiniteFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
 Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 Quaternion = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]

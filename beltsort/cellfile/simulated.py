@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from pydantic import NonNegativeInt
-
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.registry import ROLES, backend_of
@@ -13,8 +11,12 @@ from beltsort.cellfile.sections import Viewpoint
 from beltsort.cellfile.validation import validated
 from beltsort.geometry import SphereViewpoint
 from beltsort.sim.config import CellConfig
+from beltsort.util.extras import extra
 from beltsort.util.naming import nearest_of
 from beltsort.util.randomness import generator
+
+with extra("cell"):
+    from pydantic import NonNegativeInt
 
 if TYPE_CHECKING:
     from beltsort.sim.cell import SimulatedCell

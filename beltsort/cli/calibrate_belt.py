@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.output import print_json, print_table
+from beltsort.util.extras import extra
 
 if TYPE_CHECKING:
     from beltsort.extrinsics.calibration import Calibration
@@ -91,7 +92,8 @@ def as_json(marked: "MarkedScans", result: "Calibration") -> dict[str, Any]:
 
 def transform_of(pose: "Pose") -> dict[str, list[float]]:
     """Return a pose as a transform of the cell file: `position`, metres, and `quaternion`, x, y, z, w."""
-    from scipy.spatial.transform import Rotation
+    with extra("perception"):
+        from scipy.spatial.transform import Rotation
 
     quaternion = Rotation.from_matrix(pose[:3, :3]).as_quat(canonical=True)
     return {"position": (pose[:3, 3].round(6) + 0.0).tolist(), "quaternion": quaternion.round(8).tolist()}

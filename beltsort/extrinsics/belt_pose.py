@@ -4,12 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
 
 from beltsort.errors import CellError
 from beltsort.extrinsics.scans import MarkedScan
 from beltsort.geometry import Points, Pose, inverse, transform
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.optimize import least_squares
+    from scipy.spatial.transform import Rotation
 
 LEAST_BASELINE = 0.05  # metres; of nearer marks the direction of the belt is worth nothing
 

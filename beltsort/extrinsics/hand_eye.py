@@ -17,13 +17,16 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from beltsort.cell.arrival import deviation
 from beltsort.errors import CellError
 from beltsort.extrinsics.belt_pose import closed_form, determine_direction
 from beltsort.extrinsics.scans import MarkedScan
 from beltsort.geometry import Pose, inverse
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.spatial.transform import Rotation
 
 FEWEST_POSES = 3
 LEAST_TURN = 5.0  # degrees, root mean square, about each of two axes

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import Delaunay
 
 from beltsort import _core
 from beltsort.errors import CloudError
@@ -17,6 +16,10 @@ from beltsort.geometry import Points, Pose, inverse, transform
 from beltsort.perception.clean import voxel_means
 from beltsort.perception.level import BANDS, SAMPLES, levelled
 from beltsort.perception.pose_fault import PoseCause
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.spatial import Delaunay
 
 PLANES = 3  # largest planes tried: a floor or a wall may be larger than the belt
 LEAST_SHARE = 0.05  # of the points, on a plane
@@ -123,7 +126,8 @@ def _check_heights(heights: NDArray[np.float64]) -> None:
 
 def _planes(points: Points) -> Iterator[Pose]:
     """Yield `plane_from_camera` of the largest planes, with z the height above them, shape (4, 4) each."""
-    import open3d as o3d
+    with extra("perception"):
+        import open3d as o3d
 
     rest = points[:: 1 + len(points) // SAMPLES]
     least = max(3, round(LEAST_SHARE * len(rest)))

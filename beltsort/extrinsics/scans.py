@@ -20,15 +20,18 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import FiniteFloat, PlainValidator
 
 from beltsort.cell.frames import from_matrix, from_quaternion
 from beltsort.errors import CloudError, RecordingError
 from beltsort.extrinsics.landmarks import FARTHEST, Landmarks, find_landmarks
 from beltsort.geometry import Points, Pose
 from beltsort.perception import PoseCause, read_cloud
+from beltsort.util.extras import extra
 from beltsort.util.problems import Problem, listed
 from beltsort.util.validation import StrictModel, shortened, validated
+
+with extra("cell"):
+    from pydantic import FiniteFloat, PlainValidator
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort import Belief, SortingModel
-from beltsort.errors import ViewpointError
+from beltsort.errors import MissingExtraError
 from beltsort.geometry import Points
 from beltsort.paper.design import Stream, seed_of
 from beltsort.paper.style import new_figure
@@ -15,6 +15,7 @@ from beltsort.perception import segment
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.bulbs import bulb
 from beltsort.util.colours import COLOURS
+from beltsort.util.extras import extra
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from beltsort.viewpoints.arm import Arm, load_pinocchio
 from beltsort.viewpoints.robots import robot_urdf
@@ -42,7 +43,7 @@ def reached_sphere() -> tuple[ViewpointMap, str]:
     try:
         load_pinocchio()
         urdf, tip = robot_urdf(ROBOT)
-    except ViewpointError:
+    except MissingExtraError:
         arm = None
         reached = f"everything above {LOWEST:g} degrees; the extra `ik` would tell what an arm reaches"
     else:
@@ -55,8 +56,9 @@ def reached_sphere() -> tuple[ViewpointMap, str]:
 
 def clouds_figure(config: CellConfig, seed: int) -> "Figure":
     """Draw the mesh of each class as points, and below it a candidate that was cut from a scan."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with extra("plot"):
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     models = [bulb(name).vertices for name in config.classes]
     rows = (("model", models), ("candidate", candidates(config, seed)))

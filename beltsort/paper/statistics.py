@@ -12,10 +12,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import stdtr, stdtrit
 
 from beltsort import ArgumentError
+from beltsort.util.extras import extra
 from beltsort.util.text import number_or_none
+
+with extra("perception"):
+    from scipy.special import stdtr, stdtrit
 
 CONFIDENCE = 0.95
 FEWEST = 10

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from beltsort.paper.outcomes import Row
 from beltsort.paper.statistics import CONFIDENCE, mean
 from beltsort.util.colours import COLOURS, MARKERS
+from beltsort.util.extras import extra
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,8 +47,9 @@ def style(number: int, *, filled: bool = True) -> dict[str, Any]:
 
 def new_figure(rows: int, columns: int, panel: tuple[float, float] = PANEL) -> "tuple[Figure, Any]":
     """Return a figure and its panels, shape (rows, columns)."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with extra("plot"):
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     figure = Figure(figsize=(columns * panel[0], rows * panel[1] + 0.6), layout="constrained")
     FigureCanvasAgg(figure)
@@ -88,7 +90,8 @@ def shared_legend(figure: "Figure", panels: Sequence["Axes"], columns: int = 4) 
 
 def save_figure(figure: "Figure", folder: Path, name: str) -> None:
     """Write a figure in every format; the same figure gives the same bytes."""
-    from matplotlib import rc_context
+    with extra("plot"):
+        from matplotlib import rc_context
 
     def draw(path: Path) -> None:
         figure.savefig(path, dpi=DPI, metadata={"Date": None} if path.suffix == ".svg" else {})
@@ -99,7 +102,8 @@ def save_figure(figure: "Figure", folder: Path, name: str) -> None:
 
 def save_drawn(draw: Callable[[Path], None], folder: Path, name: str) -> None:
     """Call `draw` for every format; a PNG gets a palette, which reduces its size to a third."""
-    from PIL import Image
+    with extra("plot"):
+        from PIL import Image
 
     for path in (folder / f"{name}{ending}" for ending in FORMATS):
         draw(path)

@@ -5,6 +5,7 @@ import numpy as np
 from beltsort import _core
 from beltsort.geometry import Points
 from beltsort.perception.config import PerceptionConfig
+from beltsort.util.extras import extra
 
 
 def voxel_means(points: Points, voxel: float) -> Points:
@@ -23,7 +24,8 @@ def voxel_means(points: Points, voxel: float) -> Points:
 
 def without_outliers(points: Points, config: PerceptionConfig) -> Points:
     """Return the points without statistical outliers (see `PerceptionConfig`), shape (m, 3)."""
-    import open3d as o3d
+    with extra("perception"):
+        import open3d as o3d
 
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
     _, kept = cloud.remove_statistical_outlier(config.outlier_neighbours, config.outlier_ratio)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.perception.classifier import Match
+from beltsort.util.extras import extra
 from beltsort.util.text import text_table
 
 COLOURS = "cividis"  # readable for colour-blind readers too; in grey it runs from dark to light
@@ -92,8 +93,9 @@ def draw_confusion(confusion: Confusion, path: Path) -> None:
     path
         The picture; its ending (png, svg, pdf) is its format.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with extra("plot"):
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     counts = confusion.counts
     shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1)

@@ -8,6 +8,7 @@ from beltsort.perception.checks import warn_unless_metres
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.size import SIZES, size_features
 from beltsort.perception.vfh import LENGTH, Histogram, checked_view, vfh
+from beltsort.util.extras import extra
 
 PLAUSIBLE_EXTENTS = (0.001, 5.0)  # metres
 
@@ -81,7 +82,8 @@ def oriented_normals(points: ArrayLike, viewpoint: ArrayLike, neighbours: int) -
         If the shapes do not fit, a value is no finite number, or there are fewer than three points.
     """
     seen, eye = checked_view(points, viewpoint)
-    import open3d as o3d
+    with extra("perception"):
+        import open3d as o3d
 
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(seen))
     cloud.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(neighbours))

@@ -22,6 +22,7 @@ from beltsort.perception.database import read_database, write_database
 from beltsort.perception.descriptor import describe
 from beltsort.perception.distances import distances_to
 from beltsort.perception.nearest import NearestNeighbour
+from beltsort.util.extras import extra
 
 Array = NDArray[np.float64]
 
@@ -96,7 +97,8 @@ class KernelRidge:
         DatabaseError
             If there are fewer than two entries, or more than `MOST_ENTRIES`.
         """
-        from scipy.optimize import minimize_scalar  # planning on the command line needs no scipy
+        with extra("perception"):
+            from scipy.optimize import minimize_scalar  # planning on the command line needs no scipy
 
         fit = _fit(database)
         found = minimize_scalar(
@@ -160,7 +162,8 @@ class KernelRidge:
         return [self._match(*pair) for pair in zip(fit.left_out, distances, strict=True)]
 
     def _match(self, scores: Array, distances: Array) -> Match:
-        from scipy.special import softmax
+        with extra("perception"):
+            from scipy.special import softmax
 
         probabilities = softmax(self.sharpness * scores)
         nearest = self.database.class_distances(distances)
@@ -250,6 +253,7 @@ def _fit(database: NearestNeighbour) -> _Fit:
 
 def _log_probability(scores: Array, labels: NDArray[np.int64]) -> float:
     """Return the mean logarithm of the true classes' probabilities."""
-    from scipy.special import log_softmax
+    with extra("perception"):
+        from scipy.special import log_softmax
 
     return float(log_softmax(scores, axis=1)[np.arange(len(labels)), labels].mean())

@@ -20,6 +20,7 @@ from beltsort import _core
 from beltsort.geometry import Points
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.descriptor import oriented_normals
+from beltsort.util.extras import extra
 
 SEEN_THROUGH = 0.5  # share of the lines across a gap that lines of sight pass
 HOLLOW = -0.1  # convexity; inner walls of real bowls and cups have -0.2 to -0.6, balls 0.2 to 0.8
@@ -50,7 +51,8 @@ class Background:
 
     def seen_past(self, points: Points) -> NDArray[np.bool_]:
         """Return which points above `level`, shape (n, 3), lie on a line of sight that ends below, (n,)."""
-        from scipy.spatial import cKDTree
+        with extra("perception"):
+            from scipy.spatial import cKDTree
 
         if len(self.passed) == 0:
             return np.zeros(len(points), dtype=bool)
@@ -154,7 +156,8 @@ def _walls_of_one(a: Part, b: Part, eye: Points) -> bool:
 
 def _gap(a: Part, b: Part) -> tuple[float, Points]:
     """Return the distance of two parts, and the middles of the shortest lines between them, shape (n, 3)."""
-    from scipy.spatial import cKDTree
+    with extra("perception"):
+        from scipy.spatial import cKDTree
 
     lengths, nearest = cKDTree(b.points).query(a.points)
     order = np.argsort(lengths, kind="stable")[: max(FEWEST_LINES, int(LINES * len(lengths)))]

@@ -5,9 +5,12 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from beltsort._core import Belief, SortingModel
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.optimize import minimize_scalar
 
 Array = NDArray[np.float64]
 

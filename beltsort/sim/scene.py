@@ -5,14 +5,17 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import open3d
 from numpy.typing import NDArray
-from open3d.core import Tensor
 
 from beltsort.geometry import Points, Pose, transform
 from beltsort.sim.noise import Flags, View
 from beltsort.sim.sensor import Array, Camera
 from beltsort.sim.surfaces import Mesh
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    import open3d
+    from open3d.core import Tensor
 
 Floats = NDArray[np.float32]
 

@@ -11,6 +11,7 @@ from beltsort.errors import JournalError
 from beltsort.sorting.entries import Decided, Scanned, Skipped, Started
 from beltsort.sorting.journal import Entry
 from beltsort.util.colours import COLOURS, MARKERS
+from beltsort.util.extras import extra
 
 
 def belief_over_time(
@@ -62,9 +63,10 @@ def draw_belief(entries: list[Entry], path: Path) -> None:
     path
         The picture; its ending (png, svg, pdf) is its format.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import MaxNLocator
+    with extra("plot"):
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+        from matplotlib.ticker import MaxNLocator
 
     beliefs, decisions, model = belief_over_time(entries)
     steps, positions, _ = beliefs.shape

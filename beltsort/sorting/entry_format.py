@@ -9,6 +9,7 @@ from beltsort._core import Belief
 from beltsort.cell.commands import Act
 from beltsort.sorting.command import Command
 from beltsort.sorting.entries import AnyContent, Intended, Snapshot
+from beltsort.util.extras import extra
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
@@ -37,7 +38,8 @@ def content_of(kind: str, data: Mapping[str, Any]) -> AnyContent:
     ValueError
         If the kind is unknown, or a field is missing, unknown or of another type.
     """
-    from pydantic import ValidationError  # to write a journal it is not needed
+    with extra("cell"):
+        from pydantic import ValidationError  # to write a journal it is not needed
 
     adapter = _adapters().get(kind)
     if adapter is None:
@@ -55,7 +57,8 @@ def content_of(kind: str, data: Mapping[str, Any]) -> AnyContent:
 @lru_cache(maxsize=1)
 def _adapters() -> dict[str, "TypeAdapter[AnyContent]"]:
     """Return what reads each kind of entry."""
-    from pydantic import TypeAdapter
+    with extra("cell"):
+        from pydantic import TypeAdapter
 
     forms: dict[str, Any] = {}
     for form in get_args(AnyContent):

@@ -6,7 +6,6 @@ anything. So the address of another machine is used only with TLS and certificat
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from urllib.parse import urlsplit
 
 from beltsort.errors import SweepError
 from beltsort.sweep.engine import Attempt, Attempts, Point
+from beltsort.util.extras import require
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -69,8 +69,7 @@ class Cluster:
         self.address = address if "://" in address else f"tcp://{address}"
         self.certificates = certificates
         _check_address(self.address, certificates)
-        if find_spec("distributed") is None:
-            raise SweepError("clusters need Dask; install it with: pip install 'beltsort[cluster]'")
+        require("cluster", "distributed")
 
     def attempts(self, trial: Callable[[Point], Attempt], points: Sequence[Point]) -> Attempts:
         """Yield the number and the result of each point, as soon as it is done."""

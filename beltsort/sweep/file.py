@@ -5,13 +5,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
-
 from beltsort._core import DEFAULT_BATCH_SIZE, DEFAULT_BATCHES
 from beltsort.errors import SweepError
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
+from beltsort.util.extras import extra
 from beltsort.util.problems import Problem, listed
 from beltsort.util.validation import StrictModel, validated
+
+with extra("sweep"):
+    from pydantic import BeforeValidator, Field
 
 Count = Annotated[int, Field(ge=1)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from beltsort.errors import SweepError
+from beltsort.util.extras import extra
 
 
 def load_pyarrow() -> Any:
@@ -14,15 +15,11 @@ def load_pyarrow() -> Any:
 
     Raises
     ------
-    SweepError
+    MissingExtraError
         If it is not installed.
     """
-    try:
+    with extra("sweep"):
         import pyarrow.parquet
-    except ImportError as reason:
-        raise SweepError(
-            f"sweeps write Parquet by pyarrow ({reason}); install it with: pip install 'beltsort[sweep]'"
-        ) from reason
     return pyarrow
 
 

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_softmax
 
 import beltsort
 from beltsort.perception.classifier import Classifier
@@ -23,6 +22,10 @@ from beltsort.tables.counts import Look, count
 from beltsort.tables.matches import MatchedScan
 from beltsort.tables.pooling import pooled_prior
 from beltsort.tables.scans import LabelledScan
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.special import log_softmax
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,11 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
+
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.special import logsumexp
 
 Array = NDArray[np.float64]
 

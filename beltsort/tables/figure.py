@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from beltsort.tables.counts import Array, Counts
 from beltsort.tables.intervals import credible_intervals
+from beltsort.util.extras import extra
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,8 +38,9 @@ def draw_tables(
     labels
         Names of the Z labels; default: the classes.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with extra("plot"):
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     mean = counts.probabilities(smoothing)
     lower, upper = credible_intervals(counts, smoothing)

@@ -14,12 +14,15 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import logsumexp
 
 import beltsort
 from beltsort.tables.modes import ModeTables
 from beltsort.tables.repeated_looks import Array, Integers, RepeatedLooks
 from beltsort.util.calibration_error import calibration_error
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.special import logsumexp
 
 STAGES = (1 / 3, 2 / 3, 1.0)
 """Shares of an object's looks after which its class is predicted: a run decides after few or many looks."""

@@ -21,10 +21,13 @@ from itertools import combinations, permutations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import xlogy
 
 from beltsort.tables.repeated_looks import NONE, RepeatedLooks
 from beltsort.tables.scans import LabelledScan, first_of_each_scene, looks
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.special import xlogy
 
 Integers = NDArray[np.int64]
 Statistic = Callable[[Integers], float]

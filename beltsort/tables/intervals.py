@@ -8,10 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import betaincinv
 
 import beltsort
 from beltsort.tables.counts import Array, Counts
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.special import betaincinv
 
 CREDIBILITY = 0.95
 

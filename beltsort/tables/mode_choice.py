@@ -6,13 +6,16 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.special import entr
 
 from beltsort.tables.held_out import Candidate, Fitted, Prediction, cross_validated, stratified_folds
 from beltsort.tables.independence import repetition_p_value
 from beltsort.tables.modes import ModeSettings, ModeTables, fit_modes, one_mode_reasons
 from beltsort.tables.repeated_looks import Array, RepeatedLooks
 from beltsort.tables.sticky import fit_sticky_labels
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.special import entr
 
 MOST_MODES = 8
 MOST_KINDS = 512

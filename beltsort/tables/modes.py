@@ -9,14 +9,17 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 import beltsort
 from beltsort.tables.counts import check_smoothing
 from beltsort.tables.expectation import Mixture, Problem
 from beltsort.tables.intervals import dirichlet_intervals
 from beltsort.tables.repeated_looks import NONE, Array, Integers, RepeatedLooks
+from beltsort.util.extras import extra
 from beltsort.util.randomness import generator
+
+with extra("perception"):
+    from scipy.special import logsumexp
 
 ENOUGH_LOOKS = 3  # looks at an object that identify its mode
 START_SPREAD = 4.0  # pseudo-looks of the random tables that EM starts from: the fewer, the farther apart

@@ -24,11 +24,14 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from scipy.special import logsumexp
 
 from beltsort.tables.counts import check_smoothing
 from beltsort.tables.modes import ModeTables
 from beltsort.tables.repeated_looks import Array, RepeatedLooks
+from beltsort.util.extras import extra
+
+with extra("perception"):
+    from scipy.special import logsumexp
 
 MOST = 0.999  # of both probabilities: at 1, two looks that differ would be impossible
 STARTS = ((0.2, 0.2), (0.5, 0.1), (0.5, 0.8))
@@ -114,7 +117,8 @@ def fit_sticky_labels(looks: RepeatedLooks, smoothing: float | Array = 1.0) -> S
     ArgumentError
         If `smoothing` is not positive.
     """
-    from scipy.optimize import minimize  # 0.1 s that only this needs
+    with extra("perception"):
+        from scipy.optimize import minimize  # 0.1 s that only this needs
 
     check_smoothing(smoothing, looks.shape.labels)
     pseudo_counts = looks.first_counts().astype(np.float64) + smoothing

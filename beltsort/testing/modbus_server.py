@@ -8,12 +8,6 @@ import ssl
 from argparse import Namespace
 from pathlib import Path
 
-from pymodbus import FramerType
-from pymodbus.constants import ExcCodes
-from pymodbus.server import ModbusTcpServer, ModbusTlsServer
-from pymodbus.simulator import DataType, SimData, SimDevice
-
-from beltsort.drivers.fieldbus.pki import identity
 from beltsort.drivers.fieldbus.wire import Reply, Request
 from beltsort.drivers.modbus.registers import (
     REPLY_AT,
@@ -25,6 +19,15 @@ from beltsort.drivers.modbus.registers import (
 )
 from beltsort.drivers.modbus.tls import context
 from beltsort.testing.serving import Panel, free_port, parser, run, serve
+from beltsort.util.extras import extra
+
+with extra("modbus", program=__name__ == "__main__"):
+    from pymodbus import FramerType
+    from pymodbus.constants import ExcCodes
+    from pymodbus.server import ModbusTcpServer, ModbusTlsServer
+    from pymodbus.simulator import DataType, SimData, SimDevice
+
+    from beltsort.drivers.fieldbus.pki import identity
 
 ANY_UNIT = 0
 

@@ -8,15 +8,6 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from asyncua import ua
-from asyncua.common.node import Node
-from asyncua.crypto.permission_rules import User, UserRole
-from asyncua.crypto.truststore import TrustStore
-from asyncua.server.server import Server
-from asyncua.server.user_managers import UserManager
-from cryptography import x509
-
-from beltsort.drivers.fieldbus.pki import Identity, application_uri, identity
 from beltsort.drivers.fieldbus.security import check_loopback
 from beltsort.drivers.fieldbus.wire import Reply, Request, Verb
 from beltsort.drivers.opcua.nodes import (
@@ -29,8 +20,20 @@ from beltsort.drivers.opcua.nodes import (
     encode_request,
     node_id,
 )
-from beltsort.drivers.opcua.trust import trust_store
 from beltsort.testing.serving import Panel, free_port, parser, run, serve
+from beltsort.util.extras import extra
+
+with extra("opcua", program=__name__ == "__main__"):
+    from asyncua import ua
+    from asyncua.common.node import Node
+    from asyncua.crypto.permission_rules import User, UserRole
+    from asyncua.crypto.truststore import TrustStore
+    from asyncua.server.server import Server
+    from asyncua.server.user_managers import UserManager
+    from cryptography import x509
+
+    from beltsort.drivers.fieldbus.pki import Identity, application_uri, identity
+    from beltsort.drivers.opcua.trust import trust_store
 
 SECURE = [
     ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt,

@@ -9,19 +9,21 @@ from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar, get_args, get_type_hints
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    ValidationError,
-    ValidatorFunctionWrapHandler,
-    WrapValidator,
-    create_model,
-)
-from pydantic_core import ErrorDetails
-
 from beltsort._core import BeltsortError
+from beltsort.util.extras import extra
 from beltsort.util.naming import nearest_of
 from beltsort.util.problems import Problem
+
+with extra("cell"):
+    from pydantic import (
+        BaseModel,
+        ConfigDict,
+        ValidationError,
+        ValidatorFunctionWrapHandler,
+        WrapValidator,
+        create_model,
+    )
+    from pydantic_core import ErrorDetails
 
 LONGEST = 60  # characters of a value in a message
 

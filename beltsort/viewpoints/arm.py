@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from beltsort import ArgumentError
 from beltsort.errors import ViewpointError
 from beltsort.geometry import Pose
+from beltsort.util.extras import extra
 
 DAMPING = 1e-6  # least damping, so that a singular arm still gets a bounded step
 
@@ -145,11 +146,13 @@ class Arm:
 
 
 def load_pinocchio() -> Any:
-    """Return the package pinocchio, which is imported on first use only."""
-    try:
+    """Return the package pinocchio, which is imported on first use only.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    with extra("ik"):
         import pinocchio
-    except ImportError as reason:
-        raise ViewpointError(
-            f"inverse kinematics needs pinocchio ({reason}); install it with: pip install 'beltsort[ik]'"
-        ) from reason
     return pinocchio

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from beltsort.geometry import Points
 from beltsort.util.colours import COLOURS
+from beltsort.util.extras import extra
 from beltsort.viewpoints import ViewpointMap
 
 REACHABLE, CHOSEN = COLOURS[0], COLOURS[1]
@@ -28,8 +29,9 @@ def draw_sphere(views: ViewpointMap, path: Path) -> None:
     path
         The picture; its ending (png, svg, pdf) is its format.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with extra("plot"):
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     figure = Figure(figsize=(13.0, 6.4))
     FigureCanvasAgg(figure)

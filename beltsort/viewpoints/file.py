@@ -11,11 +11,13 @@ from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field
-
 from beltsort.errors import ViewpointError
+from beltsort.util.extras import extra
 from beltsort.util.problems import Problem, listed
 from beltsort.util.validation import StrictModel, shortened, validated
+
+with extra("cell"):
+    from pydantic import Field
 
 ROUNDING = 1e-6  # by which a repeated number may differ from what it follows from
 MOST_PROBLEMS = 8  # in a message

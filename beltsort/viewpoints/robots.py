@@ -3,7 +3,7 @@
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
-from beltsort.errors import ViewpointError
+from beltsort.errors import MissingExtraError, ViewpointError
 
 PACKAGE = "example-robot-data"
 
@@ -21,7 +21,9 @@ def robot_urdf(name: str) -> tuple[Path, str]:
     Raises
     ------
     ViewpointError
-        If the name is unknown or the package is not installed.
+        If the name is unknown.
+    MissingExtraError
+        If the package is not installed.
     """
     if name not in ROBOTS:
         raise ViewpointError(f"there is no robot {name!r}; choose from {', '.join(ROBOTS)}, or give a URDF")
@@ -29,8 +31,8 @@ def robot_urdf(name: str) -> tuple[Path, str]:
     try:
         files = distribution(PACKAGE).files or []
     except PackageNotFoundError as reason:
-        raise ViewpointError(
-            f"the URDF of {name} comes with {PACKAGE}; install it with: pip install 'beltsort[ik]'"
+        raise MissingExtraError(
+            f"{PACKAGE}, which has the URDF of {name}, is not installed; pip install 'beltsort[ik]'"
         ) from reason
     for file in files:
         if file.name == file_name:

@@ -14,11 +14,11 @@ from asyncua.client.client import Client
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 from asyncua.ua.uaerrors import UaError
 
-from beltsort.drivers.fieldbus.link import require
 from beltsort.drivers.fieldbus.pki import application_uri
 from beltsort.drivers.opcua import OpcuaOptions, make
 from beltsort.drivers.opcua.nodes import NAMESPACE, REQUEST, node_id
-from beltsort.errors import CellError
+from beltsort.errors import CellError, MissingExtraError
+from beltsort.util.extras import require
 from tests.contract.peers import OpcuaPeer
 
 pytestmark = pytest.mark.process
@@ -157,8 +157,8 @@ def test_options_without_sense_are_refused(options: dict[str, Any], said: str) -
 
 
 def test_a_missing_package_is_named() -> None:
-    with pytest.raises(CellError, match=r"no_such_package\b.*pip install 'beltsort\[opcua\]'"):
-        require("no_such_package", "opcua")
+    with pytest.raises(MissingExtraError, match=r"no_such_package\b.*pip install 'beltsort\[opcua\]'"):
+        require("opcua", "no_such_package")
 
 
 def test_drivers_are_loaded_when_a_device_is_made() -> None:

@@ -1,7 +1,6 @@
 """One connection to a controller, and the exchange of requests and replies over it."""
 
 import time
-from importlib.util import find_spec
 from typing import NamedTuple, Protocol
 
 from beltsort.drivers.fieldbus.wire import GarbageError, Reply, Request, Verb, following, is_ahead
@@ -107,17 +106,3 @@ def _answered(link: Link) -> int:
         return link.read().sequence
     except GarbageError as garbage:
         return garbage.sequence
-
-
-def require(package: str, extra: str) -> None:
-    """Check that an optional package is installed.
-
-    Raises
-    ------
-    CellError
-        If it is not; the message tells how to install it.
-    """
-    if find_spec(package) is None:
-        raise CellError(
-            f"{package} is not installed, expected it for this device; pip install 'beltsort[{extra}]'"
-        )

@@ -9,10 +9,13 @@ from ipaddress import ip_address
 from pathlib import Path
 from socket import gethostname
 
-from cryptography import x509
-from cryptography.hazmat.primitives import hashes, serialization
-from cryptography.hazmat.primitives.asymmetric import rsa
-from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+from beltsort.util.extras import extra
+
+with extra("opcua", program=__name__ == "__main__"):
+    from cryptography import x509
+    from cryptography.hazmat.primitives import hashes, serialization
+    from cryptography.hazmat.primitives.asymmetric import rsa
+    from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 KEY_BITS = 2048
 OWN_HOSTS = ("127.0.0.1", "localhost")

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from functools import partial
 
 from beltsort.drivers.fieldbus.device import FieldbusDevice
-from beltsort.drivers.fieldbus.link import require
 from beltsort.drivers.modbus.options import ModbusOptions
+from beltsort.util.extras import extra
 
 
 def make(options: ModbusOptions, clock: Callable[[], float] = time.monotonic) -> FieldbusDevice:
@@ -21,11 +21,11 @@ def make(options: ModbusOptions, clock: Callable[[], float] = time.monotonic) ->
 
     Raises
     ------
-    CellError
+    MissingExtraError
         If pymodbus is not installed.
     """
-    require("pymodbus", "modbus")
-    from beltsort.drivers.modbus.link import ModbusLink  # imported here, not within a timeout
+    with extra("modbus"):
+        from beltsort.drivers.modbus.link import ModbusLink  # imported here, not within a timeout
 
     address = f"{options.host}:{options.port}"
     return FieldbusDevice(partial(ModbusLink, options), address, options.answer_timeout, clock)

@@ -3,14 +3,16 @@
 import socket
 import ssl
 
-from pymodbus.client import ModbusTcpClient
-from pymodbus.pdu import ModbusPDU
-
 from beltsort.drivers.fieldbus.link import LinkError
 from beltsort.drivers.fieldbus.wire import Reply, Request
 from beltsort.drivers.modbus.options import ModbusOptions
 from beltsort.drivers.modbus.registers import REPLY_AT, REPLY_COUNT, REQUEST_AT, decode_reply, encode_request
 from beltsort.drivers.modbus.tls import context
+from beltsort.util.extras import extra
+
+with extra("modbus"):
+    from pymodbus.client import ModbusTcpClient
+    from pymodbus.pdu import ModbusPDU
 
 
 class OneConnection(ModbusTcpClient):

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from functools import partial
 
 from beltsort.drivers.fieldbus.device import FieldbusDevice
-from beltsort.drivers.fieldbus.link import require
 from beltsort.drivers.opcua.options import OpcuaOptions
+from beltsort.util.extras import extra
 
 
 def make(options: OpcuaOptions, clock: Callable[[], float] = time.monotonic) -> FieldbusDevice:
@@ -21,10 +21,10 @@ def make(options: OpcuaOptions, clock: Callable[[], float] = time.monotonic) -> 
 
     Raises
     ------
-    CellError
+    MissingExtraError
         If asyncua is not installed.
     """
-    require("asyncua", "opcua")
-    from beltsort.drivers.opcua.link import OpcuaLink  # imported here, not within a timeout
+    with extra("opcua"):
+        from beltsort.drivers.opcua.link import OpcuaLink  # imported here, not within a timeout
 
     return FieldbusDevice(partial(OpcuaLink, options), options.endpoint, options.answer_timeout, clock)

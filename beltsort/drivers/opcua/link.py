@@ -7,16 +7,18 @@ from pathlib import Path
 from threading import Thread
 from typing import Any, TypeVar
 
-from asyncua import ua
-from asyncua.client.client import Client
-from asyncua.crypto import security_policies
-from asyncua.crypto.validator import CertificateValidator, CertificateValidatorOptions
-
 from beltsort.drivers.fieldbus.pki import application_uri
 from beltsort.drivers.fieldbus.wire import Reply, Request
 from beltsort.drivers.opcua.nodes import NAMESPACE, REPLY, REQUEST, decode_reply, encode_request, node_id
 from beltsort.drivers.opcua.options import OpcuaOptions
 from beltsort.drivers.opcua.trust import trust_store
+from beltsort.util.extras import extra
+
+with extra("opcua"):
+    from asyncua import ua
+    from asyncua.client.client import Client
+    from asyncua.crypto import security_policies
+    from asyncua.crypto.validator import CertificateValidator, CertificateValidatorOptions
 
 Result = TypeVar("Result")
 

@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
-from asyncua.crypto.truststore import TrustStore
-
 from beltsort.drivers.fieldbus.security import trusted
+from beltsort.util.extras import extra
+
+with extra("opcua"):
+    from asyncua.crypto.truststore import TrustStore
 
 
 async def trust_store(folder: Path) -> TrustStore:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from beltsort.drivers.ros.clouds import Cloud
 from beltsort.errors import CellError
+from beltsort.util.extras import extra
 
 NANOSECONDS = 10**9
 
@@ -26,19 +27,14 @@ def rosbags() -> ModuleType:
 
     Raises
     ------
-    CellError
+    MissingExtraError
         If it is not installed.
     """
-    try:
+    with extra("replay"):
         import rosbags.interfaces
         import rosbags.rosbag1
         import rosbags.rosbag2
         import rosbags.typesys
-    except ImportError as reason:
-        raise CellError(
-            f"ROS bags need the package rosbags, which cannot be loaded ({reason}); "
-            "run pip install 'beltsort[replay]'"
-        ) from reason
     return rosbags
 
 

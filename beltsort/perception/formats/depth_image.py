@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from beltsort.errors import CloudError
 from beltsort.perception.depth import MILLIMETRES, Intrinsics, cloud_from_depth
 from beltsort.perception.formats.content import Content, UnreadableError
+from beltsort.util.extras import extra
 
 NAMES = ("scene_camera.json", "camera.json", "intrinsics.json", "camera_intrinsics.json", "camera_info.json")
 """Names of files of intrinsics, also in the folder above that of the image."""
@@ -71,7 +72,8 @@ def parse_depth(data: bytes, path: Path) -> Content:
 
 def _pixels(data: bytes) -> NDArray[np.uint16]:
     """Return the values of a 16-bit PNG, shape (h, w)."""
-    from PIL import Image
+    with extra("perception"):
+        from PIL import Image
 
     try:
         with Image.open(BytesIO(data), formats=["PNG"]) as image:

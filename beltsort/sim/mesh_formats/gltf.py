@@ -13,6 +13,7 @@ import numpy as np
 
 from beltsort.perception.formats.content import UnreadableError
 from beltsort.sim.mesh_formats.polygons import Polygons
+from beltsort.util.extras import extra
 
 MARKUP = re.compile(r"\x1b\[[\d;]*m|\[Open3D WARNING\]")
 """Colours of a terminal, and the mark of a message."""
@@ -26,7 +27,8 @@ def parse_gltf(data: bytes, path: Path) -> Polygons:
     UnreadableError
         If it is damaged, or triangles that it promises could not be read.
     """
-    import open3d
+    with extra("perception"):
+        import open3d
 
     try:
         content = _content(data)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beltsort.drivers.replay import Replay, ReplayOptions
-from beltsort.errors import CellError
+from beltsort.errors import CellError, MissingExtraError
 from tests.drivers.replay import bags
 
 IMAGE = np.full((10, 20, 3), 0.5)
@@ -139,5 +139,5 @@ def test_a_clock_that_is_set_back_is_told(tmp_path: Path) -> None:
 def test_without_rosbags_the_error_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = whole(tmp_path, "mcap")
     monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
-    with pytest.raises(CellError, match=r"\brosbags\b.*pip install 'beltsort\[replay\]'"):
+    with pytest.raises(MissingExtraError, match=r"\brosbags\b.*pip install 'beltsort\[replay\]'"):
         play(path)
