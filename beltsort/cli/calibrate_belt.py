@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.output import print_json, print_table
-from beltsort.util.extras import extra
+from beltsort.util.extras import extra, require
 
 if TYPE_CHECKING:
     from beltsort.extrinsics.calibration import Calibration
@@ -43,6 +43,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Read, calibrate, print and write."""
+    require("cell", "open3d", "scipy", "pydantic")
     from beltsort.extrinsics import calibrate, read_scans
 
     if arguments.output is not None:

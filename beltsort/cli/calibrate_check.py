@@ -9,6 +9,7 @@ from beltsort import ArgumentError, SortingModel, models
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.output import print_json, print_table
 from beltsort.cli.progress import tenths
+from beltsort.util.extras import require
 from beltsort.util.text import numbers_or_none
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Sort, evaluate, draw and print."""
+    require("cell", "open3d", "scipy", "matplotlib")
     from beltsort.calibration.causes import find_causes
     from beltsort.calibration.check import Arm
     from beltsort.calibration.figure import draw_reliability

@@ -8,6 +8,7 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json
 from beltsort.cli.prepare import add_objects, recipe_of
 from beltsort.cli.progress import stage_progress
+from beltsort.util.extras import require
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -33,6 +34,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
+    require("cell", "open3d", "scipy", "matplotlib", "pydantic")
     from beltsort.cli.console import RunConsole
     from beltsort.cli.live import run_display
     from beltsort.planning.bins import sorting_statistics

@@ -9,6 +9,7 @@ from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.labelling import SEED, SIMULATED, Labelled, labelled_scans, several_modes
 from beltsort.cli.output import print_json, print_status
 from beltsort.sim.config import TABLE_OBJECTS
+from beltsort.util.extras import require
 
 if TYPE_CHECKING:
     import numpy as np
@@ -144,6 +145,7 @@ def check(arguments: Namespace) -> None:
             "other: leave --repeats out"
         )
     if arguments.figure is not None:
+        require("plot", "matplotlib")
         check_writable(arguments.figure)
         if arguments.figure.suffix not in FIGURES:
             raise ArgumentError(

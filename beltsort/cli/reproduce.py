@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_status, print_table
 from beltsort.cli.progress import tenths
+from beltsort.util.extras import require
 
 if TYPE_CHECKING:
     from beltsort.paper import Reproduction
@@ -41,6 +42,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run, write and print which claims hold."""
+    require("cell", "open3d", "scipy", "matplotlib")
     from beltsort.paper import FULL, QUICK, reproduce
     from beltsort.sim.demo import check_seed
     from beltsort.sim.prepare import prepare

@@ -8,6 +8,7 @@ from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_status, print_table
 from beltsort.cli.progress import tenths, with_eta
+from beltsort.util.extras import require
 
 if TYPE_CHECKING:
     from beltsort.sweep.cluster import Cluster
@@ -45,6 +46,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run, write and print."""
+    require("sweep", "pyarrow", "pydantic", "scipy")
     from beltsort.sweep.run import FILE, Sweep
 
     scheduler = scheduler_of(arguments)

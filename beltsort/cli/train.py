@@ -24,6 +24,7 @@ from beltsort.perception.leave_one_out import (
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.training import Trained, train_from_clouds
 from beltsort.sim.config import TRAINING_OBJECTS
+from beltsort.util.extras import require
 from beltsort.util.text import numbers_or_none
 
 AUTOMATIC = "auto"
@@ -156,6 +157,8 @@ def _check_arguments(arguments: Namespace) -> None:
             f"-k {arguments.k} does not apply with --classifier {KERNEL_RIDGE}, which weighs all entries; "
             "leave it out"
         )
+    if arguments.figure is not None:
+        require("plot", "matplotlib")
     if arguments.figure is not None and arguments.figure.suffix != ".png":
         raise ArgumentError(
             f"--figure is {arguments.figure}, expected a name that ends in .png, the only format; rename it"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_status, print_table
+from beltsort.util.extras import require
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from beltsort.viewpoints.robots import ROBOTS, robot_urdf
 from beltsort.viewpoints.sampled import LOWEST
@@ -96,6 +97,7 @@ def run(arguments: Namespace) -> int:
             f"FILE is {arguments.file}, expected a name that ends in {FORMAT}; rename it (the figure's name "
             "ends in .png)"
         )
+    require("cell", "pydantic", "matplotlib")
     views = map_viewpoints(
         Sampling(arguments.method, arguments.count, arguments.radius, arguments.seed),
         arguments.viewpoints if arguments.points is None else parse_points(arguments.points),
