@@ -46,7 +46,9 @@ class CellDescription(Section):
 
     Examples
     --------
-    >>> cell = CellDescription.load("examples/simulated.toml")
+    >>> from importlib.resources import as_file, files
+    >>> with as_file(files("beltsort.cellfile") / "examples" / "simulated.toml") as path:
+    ...     cell = CellDescription.load(path)
     >>> cell.classes
     ('elongated', 'livarno', 'mushroom', 'standard')
     >>> cell.layout.spacing

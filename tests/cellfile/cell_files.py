@@ -12,7 +12,7 @@ NOTHING_SIMULATED = (
 )
 """Changes after which no device of the example is there."""
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "simulated.toml"
+EXAMPLE = Path(__file__).parents[2] / "beltsort" / "cellfile" / "examples" / "simulated.toml"
 
 
 def changed(folder: Path, *changes: tuple[str, str]) -> Path:

@@ -23,6 +23,7 @@ MISSING = (
 )
 PLANNING = (
     "info",
+    "example opcua",
     "plan paper --trials 10 --explain",
     "plan paper --observe p3=mushroom,standard --trials 10 --json",
     "evaluate paper --policy threshold --threshold 0.9 --batches 10",
