@@ -10,8 +10,8 @@ from beltsort._core import SortingModel
 def paper() -> SortingModel:
     """Return the paper's instance: four classes of bulbs, three viewpoints, two belt positions.
 
-    The paper prints only three rows of its tables; the others were chosen with similar accuracy, as stated in
-    the model's note.
+    The paper prints three of the eight blocks (a position and a class, with a row for each viewpoint) of its
+    observation tables; the other five are ours, chosen with similar accuracy. The model's note names them.
 
     References
     ----------

@@ -29,7 +29,7 @@ class Instance:
 
 
 PAPER = Instance("paper", paper())
-"""Three rows as printed, the others filled in; see `beltsort.models.paper`."""
+"""Three of eight blocks as printed, five of ours; see `beltsort.models.paper`."""
 
 
 @dataclass(frozen=True)

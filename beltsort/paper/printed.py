@@ -6,6 +6,9 @@ A. Mezei, L. Tamas, L. Busoniu, "Sorting objects from a conveyor belt using acti
 model", European Control Conference 2019.
 """
 
+TABLES_PRINTED = ((1, "elongated"), (1, "livarno"), (2, "elongated"))
+"""Position and true class of the blocks of observation tables that the paper prints, a row per viewpoint."""
+
 CLASSES_DRAWN = ("elongated", "livarno")
 """The bulbs on the paper's belt; its planner knows of four classes."""
 

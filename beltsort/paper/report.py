@@ -15,12 +15,13 @@ from beltsort.paper.curves import SOURCES
 from beltsort.paper.design import QUICK, Design
 from beltsort.paper.figures import Picture
 from beltsort.paper.files import SMOOTHING, printed_numbers
+from beltsort.paper.instances import PAPER
 from beltsort.paper.labels import LEVEL as LABELS
 from beltsort.paper.modes import STUDY as MODES
 from beltsort.paper.optimum import losses_table
 from beltsort.paper.outcomes import plain_table, select
 from beltsort.paper.policies import PUBLISHED, RECOMMENDED
-from beltsort.paper.printed import R_MIN
+from beltsort.paper.printed import R_MIN, TABLES_PRINTED
 from beltsort.paper.run import Results
 from beltsort.paper.scans import LEVEL as SCANS
 from beltsort.paper.statistics import ClaimResult, Conclusion
@@ -53,6 +54,25 @@ WITH_MODES = (
     ("labels from the cell's tables with modes", {"level": LABELS, "study": MODES}),
     ("depth scans of the cell, with modes and confidence levels", {"level": SCANS, "study": MODES}),
 )
+PAPERS_TABLES = (
+    f"Of the {PAPER.model.positions * len(PAPER.model.classes)} blocks (a position and a class) of what is "
+    f"called the paper's tables here, the paper prints {len(TABLES_PRINTED)}; the others are ours, of "
+    "similar accuracy."
+)
+CELLS_VIEWPOINTS = "p1, p2 and p3 are the simulated cell's viewpoints, not those of the paper."
+OTHER_VIEWPOINTS = "The simulated cell's p1, p2 and p3 are not those of the paper's tables."
+NOTES = {
+    "figure_1_sphere": CELLS_VIEWPOINTS,
+    "figure_1_clouds": "Classes are named as the paper's; their shapes are ours.",
+    "figure_2_propagation": PAPERS_TABLES,
+    "figure_3_run": CELLS_VIEWPOINTS,
+    **dict.fromkeys(
+        ("figure_4_one_position", "figure_5_two_positions", "figure_6_steps", "figure_7_one_against_two"),
+        f"{PAPERS_TABLES} {OTHER_VIEWPOINTS}",
+    ),
+    **dict.fromkeys(("bounds", "beyond"), PAPERS_TABLES),
+}
+"""What the reader of a figure has to know of where its numbers come from, by its name."""
 SHOWN = ("objects", "positions", "r_min", "policy", "batches")
 MEANS = ("steps", "positives", "negatives")
 
@@ -100,7 +120,8 @@ def write_report(
         *([f"<p><strong>{THINNED}</strong></p>"] if of.design == QUICK else []),
         _table([{"": name, "this run": value} for name, value in facts.items()]),
         "<h2>Tables I and II: the simulated cell's observation tables</h2>",
-        "<p>A simulated table says what the simulator was set to, not how a real camera behaves.</p>",
+        "<p>A simulated table says what the simulator was set to, not how a real camera behaves. "
+        f"{CELLS_VIEWPOINTS} {PAPERS_TABLES}</p>",
         *(f"<pre>{escape(text)}</pre>" for text in _observation_tables(counts)),
         "<h2>Figures</h2>",
         f"<p>{escape(PLANNERS_SHOWN.format(trials=of.design.trials))}</p>",
@@ -136,7 +157,7 @@ def claims_section(results: Sequence[ClaimResult]) -> list[str]:
         "<p>A claim <em>holds</em> if all of its 95 % confidence interval says so, <em>fails</em> if all of "
         "it says the opposite, and is <em>open</em> otherwise, or from fewer than ten batches. Differences "
         "are taken batch by batch on the same objects; p-values are two-sided and not corrected for the "
-        "number of claims.</p>",
+        f"number of claims. {PAPERS_TABLES}</p>",
         _table(counts),
     ]
     for where, found in by_condition.items():
@@ -159,7 +180,7 @@ def _observation_tables(counts: Counts) -> list[str]:
 
 def _figure(picture: Picture, folder: Path) -> str:
     data = b64encode((folder / f"{picture.name}.png").read_bytes()).decode()
-    caption = escape(picture.caption)
+    caption = escape(f"{picture.caption} {NOTES.get(picture.name, '')}".strip())
     image = f"<img alt='{caption}' src='data:image/png;base64,{data}'>"
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 

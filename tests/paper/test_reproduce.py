@@ -1,5 +1,6 @@
 """Everything is written; the numbers depend on the seed alone, whatever happens to the processes."""
 
+import html
 import os
 import re
 import shutil
@@ -62,6 +63,20 @@ def test_the_report_needs_no_other_file(reproduction: Reproduction) -> None:
     for said in ("beltsort 0", "processors", "p(observed | true = elongated), position 1"):
         assert said in page
     assert page.rindex("Findings</h2>") > page.rindex("</figure>"), "the findings end it"
+
+
+def test_the_report_says_which_tables_and_viewpoints_are_not_the_papers(reproduction: Reproduction) -> None:
+    page = reproduction.report.read_text()
+    names = [picture.name for picture in reproduction.pictures]
+    captions = dict(zip(names, re.findall(r"<figcaption>(.*?)</figcaption>", page), strict=True))
+    printed = "the paper prints 3; the others are ours"
+    of_the_model = {name for name, caption in captions.items() if printed in html.unescape(caption)}
+    assert of_the_model == set(FIGURES) - {"figure_1_sphere", "figure_1_clouds", "figure_3_run"}
+    of_the_cell = {name for name, caption in captions.items() if "p1, p2 and p3" in caption}
+    assert of_the_cell == {name for name in FIGURES if name.startswith("figure")} - {
+        "figure_1_clouds",
+        "figure_2_propagation",
+    }
 
 
 def test_rows_are_whole(reproduction: Reproduction) -> None:
