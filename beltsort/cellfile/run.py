@@ -3,10 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from beltsort import Despot, SortingModel
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
@@ -19,17 +15,25 @@ from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.simulated import trainable_config
 from beltsort.errors import CellError
 from beltsort.perception import Classifier, PerceptionConfig, load_classifier, perception_for
-from beltsort.planning.bins import sorting_statistics
 from beltsort.sim.prepare import Recipe, StageProgress, prepare
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listener
+from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper
 from beltsort.sorting.locks import devices_locked, locked
 from beltsort.sorting.loop import Check, nothing, resume_sorting
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
-from beltsort.sorting.report import SortingReport, confusion
-from beltsort.sorting.runs import JOURNAL, LOCK, CallLog, make_folder, plain_decision, run_name, sort_into
-from beltsort.util.text import number_or_none
+from beltsort.sorting.report import SortingReport
+from beltsort.sorting.requests import drop_requests, taking_requests
+from beltsort.sorting.runs import (
+    JOURNAL,
+    LOCK,
+    CallLog,
+    make_folder,
+    run_name,
+    sort_into,
+    write_true_classes,
+)
 
 DRY_RUN = "-dry-run"
 """Suffix of the folder's name of a dry run."""
@@ -72,12 +76,18 @@ class CellRun:
         return any(isinstance(device, Homing) for device in self.devices)
 
     def sort(
-        self, listener: Listener | None = None, operator: Operator = nobody, check: Check = nothing
+        self,
+        listener: Listener | None = None,
+        operator: Operator = nobody,
+        check: Check = nothing,
+        *,
+        allow_hold: bool = False,
     ) -> SortingReport:
         """Sort the objects, or those that are left, and record every step in the journal.
 
         All devices are stopped if the run ends early. `operator` and `check` are as in
-        `beltsort.sorting.loop.sort_objects`.
+        `beltsort.sorting.loop.sort_objects`. `allow_hold` makes a token with which a person can hold and
+        continue the run (`beltsort.sorting.requests`); a run without it goes on after an earlier hold.
 
         Raises
         ------
@@ -90,9 +100,15 @@ class CellRun:
         """
         make_folder(self.folder)
         with locked(f"the run {self.folder}", self.folder / LOCK), devices_locked(self.devices):
-            return self._sort(listener, operator, check)
+            if not allow_hold:
+                drop_requests(self.folder)
+                return self._sort(listener, operator, check, None)
+            with taking_requests(self.folder):
+                return self._sort(listener, operator, check, self.folder)
 
-    def _sort(self, listener: Listener | None, operator: Operator, check: Check) -> SortingReport:
+    def _sort(
+        self, listener: Listener | None, operator: Operator, check: Check, requests: Path | None
+    ) -> SortingReport:
         description = self.description
         settings = description.perception
         perception = perception_for(self.model, description.layout, self.classifier, settings)
@@ -105,9 +121,14 @@ class CellRun:
                     operator=operator,
                     drift=description.drift,
                     check=check,
+                    requests=requests,
+                    scan_listener=ScanKeeper(self.folder / LAST_SCAN, self.cell),
                 )
         first = self._first_object()
         check_ready(self.cell)
+        true = true_class_of(self.devices)
+        if true is not None:
+            write_true_classes(self.folder, first, [true(first + n) for n in range(description.objects)])
         return sort_into(
             self.folder,
             self.cell,
@@ -122,6 +143,7 @@ class CellRun:
             drift=description.drift,
             listener=listener,
             check=check,
+            requests=requests,
         )
 
     def _first_object(self) -> int:
@@ -278,43 +300,9 @@ def check_ready(cell: ComposedCell) -> None:
         )
 
 
-def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
-    """Return the results of a run as plain data.
-
-    How many were right, `confusion`, `purity` and `recovery` are there only where the true classes are known.
-    """
-    counts = confusion_of(run, report)
-    return {
-        "steps": report.steps,
-        "decisions": [plain_decision(decision, run.model.bins) for decision in report.decisions],
-        "bins": report.counts(run.model.bins),
-        **({} if counts is None else _sorted(run.model, counts)),
-        "skipped": list(report.skipped),
-        "passed": list(report.passed),
-        "drift": [alarm.to_dict() for alarm in report.drift],
-        "pose_faults": dict(report.pose_faults),
-        "dry_run": list(run.cell.dry_run),
-        "folder": str(run.folder),
-    }
-
-
-def confusion_of(run: CellRun, report: SortingReport) -> NDArray[np.uint64] | None:
-    """Return the number of objects by bin and true class, shape (B, L); None if no device knows classes."""
-    for device in run.devices:
-        if isinstance(device, KnowsClasses):
-            decisions = ((decision.object, decision.label) for decision in report.decisions)
-            return confusion(decisions, device.true_class, run.model)
-    return None
-
-
-def _sorted(model: SortingModel, counts: NDArray[np.uint64]) -> dict[str, Any]:
-    found = sorting_statistics(model, counts)
-    return {
-        "correct": round(found.right.value),
-        "confusion": counts.tolist(),
-        "purity": {each.name: number_or_none(each.purity.value) for each in found.bins},
-        "recovery": {each.name: number_or_none(each.recovery.value) for each in found.bins},
-    }
+def true_class_of(devices: Sequence[object]) -> Callable[[int], int | None] | None:
+    """Return what tells the true class of an object by its number; None if no device knows classes."""
+    return next((device.true_class for device in devices if isinstance(device, KnowsClasses)), None)
 
 
 def _model_file(description: CellDescription) -> SortingModel:

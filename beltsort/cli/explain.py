@@ -4,11 +4,11 @@ from argparse import Namespace
 
 from beltsort._core import DEFAULT_TREE_DEPTH
 from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.entry_text import EntryFormatter
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
 from beltsort.planning.explanation import action_in_words, explain, tree_in_names
 from beltsort.sorting.audit import Step, entries_of, incidents_of, step_of
+from beltsort.sorting.entry_text import EntryFormatter
 
 
 def add_parser(subparsers: Subparsers) -> None:

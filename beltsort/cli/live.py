@@ -12,8 +12,8 @@ from rich.table import Table
 from rich.text import Text
 
 from beltsort.cli.console import RunConsole
-from beltsort.cli.entry_text import EntryFormatter
 from beltsort.sorting.entries import Chosen, Decided, Planned, Skipped, Started
+from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.journal import Entry, Listener
 
 BAR = 20  # characters of a bar for probability 1

@@ -56,13 +56,19 @@ def add_parser(subparsers: Subparsers) -> None:
         help="number of the object at the belt end; homes the belt if its position is not known (default: "
         "the number that the belt reports)",
     )
+    parser.add_argument(
+        "--allow-hold",
+        action="store_true",
+        help="let `beltsort watch RUN --control` hold the run between two steps, and continue it",
+    )
     add_json(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: Namespace) -> int:
     """Run the command."""
-    from beltsort.cellfile.run import as_json, open_run
+    from beltsort.cellfile.results import as_json
+    from beltsort.cellfile.run import open_run
     from beltsort.cli.console import RunConsole, discard
     from beltsort.cli.live import run_display
     from beltsort.perception.checks import counted_warnings
@@ -86,7 +92,7 @@ def run(arguments: Namespace) -> int:
     with Interrupts() as interrupts, run_display(console) as listener:
         try:
             with counted_warnings():
-                report = opened.sort(listener, operator, interrupts.check)
+                report = opened.sort(listener, operator, interrupts.check, allow_hold=arguments.allow_hold)
         except HeldError as held:
             print_status(f"beltsort: {held}")
             for line in ways_to_resume(held.hold, arguments, opened):
@@ -186,6 +192,7 @@ def ways_to_resume(hold: Hold, arguments: Namespace, opened: "CellRun") -> list[
 def resume_command(arguments: Namespace, opened: "CellRun") -> list[str]:
     """Return the command line that resumes the run, or starts it if it has no journal yet."""
     words = ["beltsort", "run", arguments.cell, *(["--live"] if arguments.live else [])]
+    words += ["--allow-hold"] if arguments.allow_hold else []
     if arguments.objects is not None:
         words += ["--objects", str(arguments.objects)]
     if (opened.folder / JOURNAL).exists():
@@ -215,7 +222,7 @@ def load_description(arguments: Namespace) -> "CellDescription":
 
 def print_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:
     """Print the number of objects in each bin, how many are right if that is known, and the run's folder."""
-    from beltsort.cellfile.run import confusion_of
+    from beltsort.cellfile.results import confusion_of
     from beltsort.planning.bins import sorting_statistics
 
     sorted_into = [f"{count} {name}" for name, count in report.counts(opened.model.bins).items()]

@@ -6,9 +6,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.entry_text import EntryFormatter
 from beltsort.cli.output import print_json, print_status
 from beltsort.sorting.audit import entries_of, write_csv
+from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.runs import plain_decision

@@ -17,7 +17,7 @@ from beltsort.sim.prepare import Prepared
 from beltsort.sorting.belief_figure import draw_belief
 from beltsort.sorting.journal import Listener, read_journal
 from beltsort.sorting.report import SortingReport, confusion
-from beltsort.sorting.runs import JOURNAL, plain_decision, sort_into
+from beltsort.sorting.runs import JOURNAL, plain_decision, sort_into, write_true_classes
 
 OBJECTS = 10
 DRAWN_FROM = ("elongated", "livarno")
@@ -111,6 +111,7 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
     labels = true_labels(seed, config.classes)
     cell = SimulatedCell(labels, config, seed=seed)
     perception = Perception(config.layout, prepared.database)
+    write_true_classes(folder, 0, labels)
     report = sort_into(folder, cell, perception, planner, model, objects=OBJECTS, listener=listener)
     sorted_at = perf_counter()
     draw_belief(read_journal(folder / JOURNAL), folder / "belief.png")

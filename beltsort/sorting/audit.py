@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -67,8 +67,7 @@ class Step:
         if isinstance(self.choice, Decided):
             label = self.choice.label
             return Decide(best_bin(self.belief) if label is None else label)
-        action = self.choice.action
-        return Move(action["move"]) if "move" in action else Decide(action["decide"])
+        return action_of(self.choice.action)
 
     @property
     def reason(self) -> str | None:
@@ -118,16 +117,47 @@ def steps_of(entries: Sequence[Entry]) -> Iterator[Step]:
     entries
         The entries, from the start of the run or a snapshot; steps count from the start in both cases.
     """
-    progress = Progress.at_start(model_of(entries))
-    planner: dict[str, Any] | None = None
+    reader = StepReader(model_of(entries))
     for entry in entries:
-        choice = entry.content
+        step = reader.read(entry)
+        if step is not None:
+            yield step
+
+
+class StepReader:
+    """Finds the planner steps of a run, reading one entry after the other.
+
+    Parameters
+    ----------
+    model
+        The run's model.
+
+    Attributes
+    ----------
+    progress
+        The state after the last entry read.
+    """
+
+    def __init__(self, model: SortingModel) -> None:
+        self.progress = Progress.at_start(model)
+        self._planner: dict[str, Any] | None = None
+
+    def read(self, entry: Entry) -> Step | None:
+        """Apply the next entry; return the step whose action it chooses, or None."""
+        choice, progress, step = entry.content, self.progress, None
         if isinstance(choice, Started | Resumed):
-            planner = choice.planner
+            self._planner = choice.planner
         if isinstance(choice, Planned | Chosen) or by_rule(choice):
             known = progress.belief.copy(), progress.viewpoint
-            yield Step(progress.steps + 1, entry, choice, *known, planner, len(progress.drift.alarms))
+            alarms = len(progress.drift.alarms)
+            step = Step(progress.steps + 1, entry, choice, *known, self._planner, alarms)
         progress.apply(entry)
+        return step
+
+
+def action_of(named: Mapping[str, Any]) -> Move | Decide:
+    """Return an action that the journal keeps as `{"move": viewpoint}` or `{"decide": bin}`."""
+    return Move(named["move"]) if "move" in named else Decide(named["decide"])
 
 
 def by_rule(choice: AnyContent) -> TypeGuard[Decided]:

@@ -22,7 +22,7 @@ class State(StrEnum):
     EXECUTE = "Execute"
     COMPLETE = "Complete"
     HELD = "Held"
-    """It can be resumed once an operator has checked the cell."""
+    """It continues once an operator has checked the cell, or has lifted the hold that one asked for."""
     STOPPED = "Stopped"
     """Ended by a person."""
     ABORTED = "Aborted"
@@ -246,8 +246,21 @@ class Skipped(Content):
 
 
 @dataclass(frozen=True)
+class Requested(Content):
+    """A person has asked to hold the run, or to continue it; as in `beltsort.sorting.requests.Request`.
+
+    After a hold the camera is moved back to its viewpoint, since the arm may have been moved.
+    """
+
+    kind = "request"
+    action: Literal["hold", "continue"]
+    by: str
+    at: str
+
+
+@dataclass(frozen=True)
 class Unheard(Content):
-    """A listener of the journal failed and is not called again."""
+    """A listener of the run failed and is not called again."""
 
     kind = "unheard"
     error: str
@@ -319,6 +332,7 @@ AnyContent: TypeAlias = (
     | Drifted
     | Decided
     | Skipped
+    | Requested
     | Unheard
     | Snapshot
     | Ended

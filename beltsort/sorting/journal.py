@@ -220,21 +220,46 @@ def read_journal(path: Path) -> list[Entry]:
     files = [file for file in (*_full_files(path), path) if file.is_file()]
     if not files:
         raise JournalError(f"{path} does not exist; name the journal.sqlite of a run folder")
-    entries = [entry for file in files for entry in _read_file(file)]
+    entries = entries_after(path, 0)
     if not entries:
         raise JournalError(f"{path} has no entries: the run was killed before it began; start it anew")
     return entries
 
 
-def _read_file(file: Path) -> list[Entry]:
+def entries_after(path: Path, number: int) -> list[Entry]:
+    """Return the entries of a journal that follow entry `number`, in order; see `read_journal`.
+
+    Raises
+    ------
+    JournalError
+        If a file is damaged, or no journal of this version.
+    """
+    files = [file for file in (*_full_files(path), path) if file.is_file()]
+    return [entry for file in files for entry in _read_file(file, number)]
+
+
+def _read_only(file: Path) -> sqlite3.Connection:
+    """Open a file so that nothing is written or left behind, even by a reader that is killed.
+
+    Without a write-ahead log beside it, no run has the file open. SQLite would then make one in order to
+    read, and could not remove it; it does not if it is told that the file does not change.
+    """
+    unused = not file.with_name(f"{file.name}-wal").exists()
+    address = f"{file.absolute().as_uri()}?mode=ro{'&immutable=1' if unused else ''}"
+    return sqlite3.connect(address, uri=True)
+
+
+def _read_file(file: Path, after: int) -> list[Entry]:
     try:
-        with closing(sqlite3.connect(file)) as database:
+        with closing(_read_only(file)) as database:
             (version,) = database.execute("PRAGMA user_version").fetchone()
             if version == 0 and database.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
                 return []
             if version != VERSION:
                 raise JournalError(f"{file} is no journal of version {VERSION} (found {version})")
-            rows = database.execute("SELECT * FROM entries ORDER BY number").fetchall()
+            rows = database.execute(
+                "SELECT * FROM entries WHERE number > ? ORDER BY number", (after,)
+            ).fetchall()
     except (sqlite3.Error, ValueError) as reason:
         raise JournalError(f"{file} cannot be read as a journal: {reason}") from reason
     return [_entry(file, *row) for row in rows]

@@ -1,7 +1,9 @@
 """The sorting loop: scan, perceive, update the belief, plan, act. Every step is journalled."""
 
+import time
 from collections.abc import Callable
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
@@ -15,18 +17,23 @@ from beltsort.errors import CellError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.choosing import Chooser
 from beltsort.sorting.commander import Commander
-from beltsort.sorting.entries import Drifted, Ended, Resumed, Started, State, StateChanged
+from beltsort.sorting.entries import Drifted, Ended, Requested, Resumed, Started, State, StateChanged
 from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
 from beltsort.sorting.journal import Journal
+from beltsort.sorting.last_scan import ScanListener
 from beltsort.sorting.observing import Observer
 from beltsort.sorting.perceived import NamesLabels, Perceive, PerceivedPosition
 from beltsort.sorting.progress import Next, Progress
 from beltsort.sorting.record import Record, progress_in
 from beltsort.sorting.report import SortingReport
+from beltsort.sorting.requests import read_request, standing_hold
 from beltsort.sorting.rules import Drift, Rules
 from beltsort.util.text import number_or_none
 
 __all__ = ["NamesLabels", "Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
+
+REQUEST_INTERVAL = 0.2
+"""Time between two looks for the request to continue a run that is held by one, seconds."""
 
 Check = Callable[[], None]
 """Called before each step of a run; an exception that it raises ends the run."""
@@ -50,6 +57,8 @@ def sort_objects(
     operator: Operator = nobody,
     drift: Drift | None = None,
     check: Check = nothing,
+    requests: Path | None = None,
+    scan_listener: ScanListener | None = None,
 ) -> SortingReport:
     """Sort the next objects of the belt, journalling every step.
 
@@ -89,6 +98,11 @@ def sort_objects(
         Called before every step; an exception that it raises ends the run, as an interrupt does. Signal
         handlers should set a flag that is checked here, since an exception raised in a handler may be lost in
         the library that it interrupts.
+    requests
+        Folder in which `beltsort.sorting.requests` leaves requests to hold the run and to continue it, which
+        are read before every step; by default it takes none.
+    scan_listener
+        Called with every scan that was used.
 
     Returns
     -------
@@ -107,7 +121,8 @@ def sort_objects(
         Any other error of the cell, of perception or of the policy.
     """
     record = Record(journal, Progress.at_start(model))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, check)
+    watching = check, requests, scan_listener
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, *watching)
     return loop.run(
         Started(
             run=uuid4().hex[:8],
@@ -132,6 +147,8 @@ def resume_sorting(
     operator: Operator = nobody,
     drift: Drift | None = None,
     check: Check = nothing,
+    requests: Path | None = None,
+    scan_listener: ScanListener | None = None,
 ) -> SortingReport:
     """Continue an interrupted run from its journal.
 
@@ -141,7 +158,7 @@ def resume_sorting(
 
     Parameters
     ----------
-    cell, perceive, policy, rules, operator, drift, check
+    cell, perceive, policy, rules, operator, drift, check, requests, scan_listener
         As in `sort_objects`; for the same decisions, they must be the same as before.
     journal
         The run's journal, opened with ``resume=True``.
@@ -159,7 +176,8 @@ def resume_sorting(
         As `sort_objects`.
     """
     record = Record(journal, progress_in(journal.path))
-    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, check)
+    watching = check, requests, scan_listener
+    loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, *watching)
     return loop.run(
         Resumed(
             objects=record.progress.objects,
@@ -182,12 +200,14 @@ class _Loop:
         operator: Operator,
         drift: Drift | None,
         check: Check,
+        requests: Path | None,
+        scan_listener: ScanListener | None,
     ) -> None:
         self.cell, self.record, self.progress, self.drift = cell, record, record.progress, drift
-        self.check = check
+        self.check, self.requests = check, requests
         _check_fit(cell, self.progress.model)
         self.commander = Commander(cell, self.progress, record, rules, operator)
-        self.observer = Observer(cell, perceive, self.progress, record, rules)
+        self.observer = Observer(cell, perceive, self.progress, record, rules, scan_listener)
         self.chooser = Chooser(cell, policy, record, rules, self.commander)
 
     def run(self, first: Started | Resumed) -> SortingReport:
@@ -201,6 +221,7 @@ class _Loop:
                 self.record(StateChanged(State.EXECUTE, first.kind))
                 while not self.progress.done:
                     self.check()
+                    self.wait_while_held()
                     self.step()
         except BaseException as failure:
             self.record(StateChanged(_state_after(failure), repr(failure)))
@@ -217,6 +238,21 @@ class _Loop:
             tuple(progress.passed),
             dict(progress.pose_faults),
         )
+
+    def wait_while_held(self) -> None:
+        """If a person has asked to hold the run, journal it, and wait until one asks to continue."""
+        hold = None if self.requests is None else standing_hold(self.requests)
+        if self.requests is None or hold is None:
+            return
+        self.record(Requested(**asdict(hold)))
+        self.record(StateChanged(State.HELD, f"{hold.by} asked to hold"))
+        request = hold
+        while request.action == "hold":
+            time.sleep(REQUEST_INTERVAL)
+            self.check()
+            request = read_request(self.requests) or hold  # nothing but a request ends a hold
+        self.record(Requested(**asdict(request)))
+        self.record(StateChanged(State.EXECUTE, f"{request.by} asked to continue"))
 
     def step(self) -> None:
         """Take the next step; a pending command and the camera's return to its viewpoint come first."""

@@ -6,9 +6,11 @@ from beltsort._core import Belief, ImpossibleObservationError
 from beltsort.cell import Cell, CommandError, EmergencyStopError, Scan
 from beltsort.cell.arrival import deviation_from, viewpoint_poses
 from beltsort.errors import CloudError
-from beltsort.sorting.entries import ScanElsewhere, Scanned, ScanUnusable
+from beltsort.sorting.entries import ScanElsewhere, Scanned, ScanUnusable, Unheard
 from beltsort.sorting.entry_format import plain_belief
 from beltsort.sorting.holds import HeldError, Hold
+from beltsort.sorting.journal import Entry
+from beltsort.sorting.last_scan import ScanListener
 from beltsort.sorting.perceived import LabelNumbers, Perceive, PerceivedPosition, pose_fault_of
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
@@ -33,6 +35,8 @@ class Observer:
         Writes an entry and applies it to `progress`.
     rules
         Limits.
+    listener
+        Called with every scan that was used; one that fails is journalled and not called again.
 
     Raises
     ------
@@ -47,10 +51,11 @@ class Observer:
         progress: Progress,
         record: Record,
         rules: Rules,
+        listener: ScanListener | None = None,
     ) -> None:
         self._camera, self._poses = cell.camera, viewpoint_poses(cell)
         self._perceive, self._progress, self._record = perceive, progress, record
-        self._rules = rules
+        self._rules, self._listener = rules, listener
         self._labels = LabelNumbers(perceive, progress.model)
 
     def observe(self) -> None:
@@ -77,7 +82,7 @@ class Observer:
             except (CloudError, CommandError) as failure:
                 self._record(ScanUnusable(str(failure)))
             else:
-                self._update(perceived)
+                self._notify(self._update(perceived), scan, perceived)
                 return
         reason = (
             f"{self._rules.scan_attempts} scans in a row are unusable, expected a point cloud; check the "
@@ -95,8 +100,18 @@ class Observer:
             )
         return scan
 
-    def _update(self, perceived: Sequence[PerceivedPosition]) -> None:
-        """Update the belief with the labels of a scan, and journal them.
+    def _notify(self, entry: Entry, scan: Scan, perceived: Sequence[PerceivedPosition]) -> None:
+        """Call the listener; the run continues if it fails."""
+        if self._listener is None:
+            return
+        try:
+            self._listener(entry, scan, perceived)
+        except Exception as failure:  # any exception; the run continues
+            self._listener = None
+            self._record(Unheard(repr(failure)))
+
+    def _update(self, perceived: Sequence[PerceivedPosition]) -> Entry:
+        """Update the belief with the labels of a scan, journal them, and return the entry.
 
         If the model has a class for empty cups and a label of its name, an empty position gets this label.
         """
@@ -108,7 +123,7 @@ class Observer:
             for position, label in enumerate(labels)
             if label is not None and not _possible(belief, viewpoint, position, label)
         ]
-        self._record(
+        return self._record(
             Scanned(
                 viewpoint=viewpoint,
                 labels=labels,

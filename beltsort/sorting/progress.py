@@ -25,6 +25,7 @@ from beltsort.sorting.entries import (
     Intended,
     ObjectsPassed,
     Planned,
+    Requested,
     Resumed,
     ScanElsewhere,
     Scanned,
@@ -115,8 +116,7 @@ class Progress:
     drift
         State of drift detection.
     pose_faults
-        Number of scans by what is likely wrong with their pose; scans that show the belt where it should be
-        are left out.
+        Number of scans by what is likely wrong with their pose, if anything.
     decisions, skipped, passed
         The decisions, and the numbers of the objects that were skipped or passed the belt end unsorted.
     """
@@ -227,9 +227,11 @@ class Progress:
                 self.steps += int(was_planned)
                 self.skipped.append(self.index)
                 self.next = Next.ADVANCE
+            case Requested(action="continue"):
+                self.arrived, self.missed_arrivals = False, 0  # the arm may have been moved meanwhile
             case Snapshot() as snapshot:
                 self._restore(snapshot)
-            case StateChanged() | Planned() | Chosen() | Unheard() | Ended():
+            case StateChanged() | Planned() | Chosen() | Requested() | Unheard() | Ended():
                 pass  # information for people only
             case content:
                 assert_never(content)
@@ -331,9 +333,8 @@ class Progress:
         self.scans, self.missed_arrivals = snapshot.glances, snapshot.strays
         self.next = Next(snapshot.owed)
         self.known_outcome = None if snapshot.told is None else Outcome(snapshot.told)
-        self.belief = Belief(
-            self.model, snapshot.kinds or snapshot.belief, snapshot.last_labels, self.remaining
-        )
+        kinds = snapshot.kinds or snapshot.belief
+        self.belief = Belief(self.model, kinds, snapshot.last_labels, self.remaining)
         self.visible = [replace(seen) for seen in snapshot.visible]
         self.passed = list(snapshot.passed)
         self.pose_faults = dict(snapshot.pose_faults or {})

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from beltsort.sorting.entries import AnyContent
-from beltsort.sorting.journal import Journal, read_journal
+from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.progress import Progress
 
 
@@ -21,12 +21,14 @@ class Record:
     def __init__(self, journal: Journal, progress: Progress) -> None:
         self.journal, self.progress = journal, progress
 
-    def __call__(self, content: AnyContent) -> None:
-        """Write an entry, then apply it to the state."""
-        self.progress.apply(self.journal.append(content))
+    def __call__(self, content: AnyContent) -> Entry:
+        """Write an entry, apply it to the state, and return it."""
+        entry = self.journal.append(content)
+        self.progress.apply(entry)
         self.journal.object = self.progress.index
         if self.journal.full:
             self.journal.rotate(self.progress.snapshot())
+        return entry
 
 
 def progress_in(path: Path) -> Progress:

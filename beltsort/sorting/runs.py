@@ -14,12 +14,14 @@ from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
 from beltsort.sorting.journal import Journal, Listener
+from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper
 from beltsort.sorting.loop import Check, nothing, sort_objects
 from beltsort.sorting.perceived import Perceive
 from beltsort.sorting.report import Decision, SortingReport
 from beltsort.sorting.rules import Drift, Rules
 
 JOURNAL, MODEL, CALLS, LOCK = "journal.sqlite", "model.json", "calls.jsonl", "lock"
+TRUTH = "true-classes.json"
 
 
 def make_folder(folder: Path) -> Path:
@@ -59,8 +61,9 @@ def sort_into(
     drift: Drift | None = None,
     listener: Listener | None = None,
     check: Check = nothing,
+    requests: Path | None = None,
 ) -> SortingReport:
-    """Sort the next objects of the belt; model and journal are kept in an existing folder.
+    """Sort the next objects of the belt; model, journal and last scan are kept in an existing folder.
 
     Parameters, returns and raises as `beltsort.sorting.loop.sort_objects`; `listener` is called with every
     entry of the journal.
@@ -76,7 +79,34 @@ def sort_into(
             operator=operator,
             drift=drift,
             check=check,
+            requests=requests,
+            scan_listener=ScanKeeper(folder / LAST_SCAN, cell),
         )
+
+
+def write_true_classes(folder: Path, first: int, true: Sequence[int | None]) -> None:
+    """Keep the true classes of a simulated run's objects in its folder, for those who look at it afterwards.
+
+    Parameters
+    ----------
+    folder
+        The run's.
+    first
+        Number of the first object.
+    true
+        Class index of each object from there on; None for an empty cup.
+    """
+    classes = {str(first + n): label for n, label in enumerate(true)}
+    (folder / TRUTH).write_text(json.dumps(classes) + "\n")
+
+
+def read_true_classes(folder: Path) -> dict[int, int | None]:
+    """Return the class index of each object by its number, None for an empty cup; nothing if not known."""
+    try:
+        classes = json.loads((folder / TRUTH).read_text("utf-8"))
+        return {int(number): None if label is None else int(label) for number, label in classes.items()}
+    except (OSError, ValueError, TypeError, AttributeError):
+        return {}
 
 
 class CallLog:

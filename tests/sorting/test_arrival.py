@@ -13,9 +13,9 @@ from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera
 from beltsort.cellfile.composed import ComposedCell
-from beltsort.cli.entry_text import EntryFormatter
 from beltsort.errors import CellError
 from beltsort.sim import CellConfig
+from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.record import progress_in

@@ -9,7 +9,6 @@ import pytest
 import beltsort
 from beltsort import Belief, Decide, Move
 from beltsort.cell import Scan
-from beltsort.cli.entry_text import EntryFormatter
 from beltsort.errors import CellError
 from beltsort.models import paper
 from beltsort.planning.decisions import best_bin, probability_right, right_bins
@@ -18,6 +17,7 @@ from beltsort.sorting.audit import steps_of
 from beltsort.sorting.belief_figure import belief_over_time
 from beltsort.sorting.entries import Chosen, Decided, Intended, Scanned
 from beltsort.sorting.entry_format import content_of, plain
+from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.progress import Progress

@@ -26,7 +26,7 @@ from beltsort.sorting.entries import (
     Started,
 )
 from beltsort.sorting.entry_format import content_of, plain
-from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.journal import Entry, Journal, entries_after, read_journal
 from beltsort.sorting.progress import Progress
 from tests.account import Account
 
@@ -261,3 +261,37 @@ def test_an_entry_that_nobody_knows_is_refused(kind: str, data: Any, named: str,
         journal._database.execute("INSERT INTO entries VALUES (2, '', ?, NULL, ?)", (kind, json.dumps(data)))
     with pytest.raises(JournalError, match=rf"journal\.sqlite: entry 2 .*\b{named}\b"):
         read_journal(path)
+
+
+def test_reading_writes_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+
+    def files() -> dict[str, bytes]:
+        return {file.name: file.read_bytes() for file in tmp_path.iterdir() if not file.name.endswith("-shm")}
+
+    with Journal(path) as journal:
+        journal.append(START)
+        before = files()
+        assert "journal.sqlite-wal" in before
+        assert len(read_journal(path)) == 1
+        assert files() == before
+        journal.append(RESUME)
+        assert [entry.number for entry in entries_after(path, 1)] == [2]
+    before = files()
+    assert before.keys() == {"journal.sqlite"}
+    assert len(read_journal(path)) == 2
+    assert files() == before
+
+
+def test_a_reader_does_not_delay_the_writer(tmp_path: Path) -> None:
+    path = tmp_path / "journal.sqlite"
+    with Journal(path) as journal:
+        journal.append(START)
+        reader = sqlite3.connect(f"file:{path}?mode=ro", uri=True, isolation_level=None)
+        reader.execute("BEGIN")
+        assert reader.execute("SELECT count(*) FROM entries").fetchone() == (1,)
+        for _ in range(50):
+            journal.append(RESUME)
+        assert reader.execute("SELECT count(*) FROM entries").fetchone() == (1,)
+        reader.close()
+        assert len(read_journal(path)) == 51

@@ -13,9 +13,9 @@ import pytest
 from beltsort import Belief, Decide, Move, SortingModel, Threshold
 from beltsort.cell import Scan
 from beltsort.cell.commands import TIMEOUT
-from beltsort.cli.entry_text import EntryFormatter
 from beltsort.errors import CellError
 from beltsort.sorting.audit import incidents_of, steps_of
+from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import resume_sorting, sort_objects
 from beltsort.sorting.progress import Progress

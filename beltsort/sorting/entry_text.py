@@ -1,5 +1,7 @@
 """Journal entries as text, one line each."""
 
+import ast
+import re
 from typing import Any
 
 from beltsort import SortingModel
@@ -12,6 +14,7 @@ from beltsort.sorting.entries import (
     Drifted,
     Intended,
     Planned,
+    Requested,
     Resumed,
     ScanElsewhere,
     Scanned,
@@ -23,6 +26,28 @@ from beltsort.sorting.entries import (
     StateChanged,
 )
 from beltsort.sorting.journal import Entry
+
+EXCEPTION = re.compile(r"""\w+\((['"].*['"])\)""", re.DOTALL)
+"""`repr` of an exception with a message."""
+
+
+def in_words(reason: str) -> str:
+    """Return the reason of a change of state; of an exception its message, without `held: ` before it.
+
+    Examples
+    --------
+    >>> in_words("HeldError('held: the camera is gone')")
+    'the camera is gone'
+    >>> in_words("Interrupted('SIGINT')")
+    'SIGINT'
+    """
+    exception = EXCEPTION.fullmatch(reason)
+    if exception is None:
+        return reason
+    try:
+        return str(ast.literal_eval(exception[1])).removeprefix("held: ")
+    except (ValueError, SyntaxError):
+        return reason
 
 
 class EntryFormatter:
@@ -51,9 +76,11 @@ class EntryFormatter:
             case Started() | Snapshot() | Resumed() as first if not self.classes:
                 text = self._start(first)
             case StateChanged(State.HELD | State.ABORTED as state, reason):
-                text = f"{state.lower()}: {reason}"
+                text = f"{state.lower()}: {in_words(reason)}"
             case Resumed():
                 text = "resumed"
+            case Requested("continue", by):
+                text = f"continued: {by} asked to"
             case CommandFailed(command_id, outcome, error):
                 text = f"{command_id} {outcome}: {error}"
             case Scanned() as scan:
@@ -109,11 +136,15 @@ class EntryFormatter:
         into = "" if self.bins == self.classes else f", into {', '.join(self.bins)}"
         return f"sorting {first.objects} objects: {', '.join(self.classes)}{into}"
 
-    def _scan(self, scan: Scanned) -> str:
-        seen = [
+    def seen(self, scan: Scanned) -> list[str]:
+        """Return for each position the label that a scan gave, `?` for none, or why there is none."""
+        return [
             finding if finding != Finding.OBJECT else "?" if label is None else self.labels[label]
             for label, finding in zip(scan.labels, scan.findings, strict=True)
         ]
+
+    def _scan(self, scan: Scanned) -> str:
+        seen = self.seen(scan)
         self.belief = scan.belief
         beliefs = " | ".join(self.likely(row) for row in self.belief)
         look = f"look from {self.viewpoints[scan.viewpoint]}: {' | '.join(seen)}  ->  {beliefs}"

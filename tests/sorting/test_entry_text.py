@@ -1,11 +1,11 @@
 """Entries in words."""
 
 from beltsort.cell import MoveTo, SortInto
-from beltsort.cli.entry_text import EntryFormatter
 from beltsort.models import paper
 from beltsort.perception import Finding
 from beltsort.sorting.command import Command
 from beltsort.sorting.entries import Intended, Scanned, Started
+from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.journal import Entry
 
 
