@@ -40,6 +40,7 @@ from beltsort.cli import (
     sweep,
     train,
     viewpoints,
+    watch,
 )
 from beltsort.cli.output import warnings_on_lines
 from beltsort.errors import InUseError, JournalNotWrittenError
@@ -66,6 +67,7 @@ COMMANDS = (
     calibrate_belt,
     calibrate_check,
     show,
+    watch,
     explain,
     reproduce,
 )

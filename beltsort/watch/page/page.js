@@ -1,0 +1,293 @@
+// The page asks the server of `beltsort watch` for the run and shows what it answers. Names in the data are those of
+// beltsort/watch/state.py.
+
+import { Scene } from "/scene.js";
+
+const INTERVAL = 1000; // ms between two questions
+const SILENT = 15; // seconds without an entry, after which a run that should go on is told to be silent
+const FAILURE = 8000; // ms that the failure of a request is shown
+const EXPLAIN_AFTER = 400; // ms that a step is shown before it is explained
+
+const byId = (id) => document.getElementById(id);
+const scene = new Scene(byId("cloud"), byId("sphere"));
+const explanations = new Map();
+let shown = null; // number of the step shown; null: the latest
+let latest = null; // last answer
+let cloud = null; // last answer about the scan
+let lost = false;
+let explaining = 0;
+let failure = { text: "", until: 0 }; // of a request, shown for a while
+
+// The token is in the part of the address that browsers send to nobody; it leaves the address bar at once.
+const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? sessionStorage.getItem("token");
+if (location.hash) history.replaceState(null, "", location.pathname);
+if (token) sessionStorage.setItem("token", token);
+
+async function ask(path, options) {
+  const answer = await fetch(path, options);
+  const content = await answer.json();
+  if (!answer.ok) throw new Error(content.error);
+  return content;
+}
+
+function element(tag, text = "", className = "") {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  if (className) made.className = className;
+  return made;
+}
+
+function bar(name, share, number, className, colour) {
+  const row = element("div", "", `bar ${className}`);
+  const label = element("span", name, "name");
+  label.title = name;
+  const track = element("span", "", "track");
+  const fill = element("span", "", "fill");
+  fill.style.left = `${100 * share[0]}%`;
+  fill.style.width = `${100 * (share[1] - share[0])}%`;
+  if (colour) fill.style.background = colour;
+  track.append(fill);
+  row.append(label, track, element("span", number, "number"));
+  return row;
+}
+
+const classColour = (index) => `var(--class-${index % 8})`;
+const clock = (time) => new Date(time).toLocaleTimeString([], { hour12: false });
+
+function showBelt({ classes, bins }, moment) {
+  document.querySelector("main").classList.toggle("many", moment.positions.length > 2);
+  byId("belt").replaceChildren(...moment.positions.map((position, j) => {
+    const box = element("div", "", j ? "position" : "position end");
+    const title = element("h3", position.object == null ? "no object " : `object ${position.object} `);
+    title.append(element("small", j ? `position ${j + 1}` : "belt end"));
+    box.append(title);
+    if (position.object == null) return box;
+    position.belief.forEach((p, i) => {
+      box.append(bar(classes[i], [0, p], p.toFixed(2), i === position.likely ? "likely" : "", classColour(i)));
+    });
+    if (position.bins.length) {
+      const right = element("div", "", "of-bins");
+      position.bins.forEach((p, b) => {
+        if (p > 0) right.append(bar(`→ ${bins[b]}`, [0, p], p.toFixed(2), ""));
+      });
+      box.append(right);
+    }
+    const looks = position.looks === 1 ? "1 look" : `${position.looks} looks`;
+    box.append(element("div", position.looks ? `${looks}, last: ${position.seen || "-"}` : "not seen yet", "seen"));
+    return box;
+  }));
+}
+
+function showPlan(moment) {
+  const { plan } = moment;
+  byId("plan-note").textContent = plan ? `step ${plan.step}` : "";
+  byId("action").textContent = plan ? plan.action[0].toUpperCase() + plan.action.slice(1) : "No action yet";
+  if (plan?.reason) byId("action").textContent += ` (${plan.reason})`;
+  const values = plan?.values ?? [];
+  const low = Math.min(0, ...values.map((action) => action.value));
+  const span = Math.max(0, ...values.map((action) => action.value)) - low || 1;
+  const at = (value) => (value - low) / span;
+  byId("values").replaceChildren(...values.map((action) => bar(
+    action.name,
+    action.value < 0 ? [at(action.value), at(0)] : [at(0), at(action.value)],
+    action.value.toFixed(2),
+    action.chosen ? "chosen" : "",
+  )));
+  byId("explanation").textContent = (plan && explanations.get(plan.step)) ?? "";
+  clearTimeout(explaining);
+  if (plan && !explanations.has(plan.step)) {
+    explaining = setTimeout(() => explain(plan.step), EXPLAIN_AFTER);
+  }
+}
+
+async function explain(step) {
+  try {
+    explanations.set(step, (await ask(`/api/explanation?step=${step}`)).text);
+  } catch {
+    return; // asked again when the step is shown again
+  }
+  if (latest?.run.moment.plan?.step === step) byId("explanation").textContent = explanations.get(step);
+}
+
+function showBins({ classes }, { tally }) {
+  const known = tally.right != null;
+  for (const cell of document.querySelectorAll("th.truth")) cell.hidden = !known;
+  byId("bins-note").textContent = known ? "the true classes of this simulated run are known" : "";
+  byId("bins").replaceChildren(...tally.bins.map((bin) => {
+    const row = element("tr");
+    const name = element("td");
+    const own = classes.indexOf(bin.name);
+    if (own >= 0) {
+      const swatch = element("span", "", "swatch");
+      swatch.style.background = classColour(own);
+      name.append(swatch);
+    }
+    name.append(bin.name);
+    row.append(name, element("td", bin.objects));
+    if (known) {
+      row.append(element("td", bin.right ?? "-"));
+      row.append(element("td", bin.purity == null ? "-" : `${(100 * bin.purity).toFixed(0)} %`));
+    }
+    return row;
+  }));
+  const figures = [
+    ["sorted", known ? `${tally.sorted}, ${tally.right} right` : tally.sorted],
+    ["objects per minute", tally.objects_per_minute?.toFixed(1) ?? "-"],
+    ["looks per object", tally.looks_per_object?.toFixed(1) ?? "-"],
+    ["empty cups", tally.skipped],
+    ["forced decisions", tally.forced],
+  ];
+  if (tally.passed) figures.push(["passed unsorted", tally.passed]);
+  byId("figures").replaceChildren(...figures.map(([name, value]) => {
+    const group = element("div");
+    group.append(element("dt", name), element("dd", value));
+    return group;
+  }));
+}
+
+function showAlarms({ alarms, alarm_counts: counts }) {
+  const total = Object.values(counts).reduce((sum, n) => sum + n, 0);
+  byId("alarms-note").textContent = Object.entries(counts).map(([kind, n]) => `${n} ${kind}`).join(", ") || "none";
+  byId("alarm-count").textContent = total === 1 ? "1 alarm" : `${total} alarms`;
+  byId("alarm-count").hidden = total === 0;
+  byId("alarms").replaceChildren(...alarms.map((alarm) => {
+    const row = element("li");
+    const severe = ["emergency stop", "aborted", "held"].includes(alarm.kind);
+    row.append(element("time", clock(alarm.time)), element("b", alarm.kind, severe ? "bad" : ""), alarm.text);
+    return row;
+  }));
+}
+
+function showScene({ viewpoints }, moment) {
+  const { scan } = moment;
+  if (!cloud || cloud.error) {
+    byId("scene-note").textContent = cloud?.error ?? "";
+    scene.show(null);
+    return;
+  }
+  const here = scan != null && scan.entry === cloud.entry;
+  byId("scene-note").textContent = here
+    ? `from ${viewpoints[scan.viewpoint]}, object ${scan.object} at the belt end`
+    : "a run keeps the cloud of its last scan only";
+  scene.show({
+    scene: cloud,
+    cloud: here,
+    classes: here ? scan.classes : moment.positions.map((position) => position.likely),
+    viewpoint: moment.viewpoint,
+    names: viewpoints,
+  });
+}
+
+function showHeader({ run, takes_requests: takes, request }) {
+  const { moment } = run;
+  const silent = (Date.now() - new Date(run.updated)) / 1000;
+  const running = run.state === "Execute" && run.ended == null;
+  byId("state").textContent = running && silent > SILENT ? `Silent for ${Math.round(silent)} s` : run.state;
+  byId("state").className = `state ${running && silent > SILENT ? "Held" : run.state}`;
+  byId("doing").textContent = shown == null ? moment.doing : `as it was before step ${shown}, ${clock(moment.time)}`;
+  const done = Math.min(run.objects, moment.object - run.first);
+  byId("progress").textContent = `${done} of ${run.objects} objects, run ${run.run}`;
+  const asked = request?.action === "hold";
+  const held = run.state === "Held" && run.ended == null;
+  let notice = "";
+  if (run.state === "Held" || run.state === "Aborted") notice = `${run.state}: ${run.reason}`;
+  if (asked && takes && running) notice = "The run holds after this step.";
+  if (Date.now() < failure.until) notify(failure.text, true);
+  else notify(notice, run.state === "Aborted");
+  byId("control").hidden = !(token && takes);
+  byId("hold").disabled = asked || !running;
+  byId("continue").disabled = !(asked && (held || running));
+}
+
+function notify(text, bad = false) {
+  byId("notice").hidden = !text;
+  byId("notice").textContent = text;
+  byId("notice").classList.toggle("bad", bad);
+}
+
+function showSteps({ first_step: first, last_step: last, moment }) {
+  const slider = byId("slider");
+  slider.min = first;
+  slider.max = last;
+  slider.value = shown ?? last;
+  slider.disabled = last === 0;
+  byId("step").textContent = last === 0 ? "no step yet" : shown == null ? `now, ${last} steps` : `step ${shown} of ${last}`;
+  byId("back").disabled = last === 0 || (shown ?? last + 1) <= first;
+  byId("forth").disabled = shown == null;
+  byId("now").className = shown == null ? "on" : "";
+  byId("belt-note").textContent = shown == null ? "" : `before step ${moment.step}`;
+}
+
+function render() {
+  const { run } = latest;
+  showHeader(latest);
+  showSteps(run);
+  showBelt(run, run.moment);
+  showPlan(run.moment);
+  showBins(run, run.moment);
+  showAlarms(run);
+  showScene(run, run.moment);
+  document.title = `${run.state} - beltsort`;
+}
+
+async function refresh() {
+  const wanted = shown;
+  try {
+    const answer = await ask(wanted == null ? "/api/state" : `/api/state?step=${wanted}`);
+    if (wanted !== shown) return;
+    const changed = lost || JSON.stringify(answer) !== JSON.stringify(latest);
+    lost = false;
+    latest = answer;
+    if (answer.kept_scan == null) cloud = { error: "no scan yet" };
+    if (answer.kept_scan !== cloud?.entry || cloud?.error) await fetchScene();
+    if (changed) render();
+    else showHeader(latest); // the time since the last entry
+  } catch (error) {
+    lost = true;
+    byId("state").textContent = "No answer";
+    byId("state").className = "state lost";
+    notify(error instanceof TypeError ? "`beltsort watch` has ended; what is shown may be out of date." : error.message, true);
+  }
+}
+
+async function fetchScene() {
+  try {
+    cloud = await ask("/api/scene");
+  } catch (error) {
+    cloud = { error: error.message };
+  }
+}
+
+function go(step) {
+  const last = latest?.run.last_step ?? 0;
+  shown = step == null || step > last ? null : Math.max(step, latest.run.first_step);
+  if (latest) showSteps(latest.run);
+  refresh();
+}
+
+async function request(path) {
+  try {
+    await ask(path, { method: "POST", headers: { Authorization: `Bearer ${token}` } });
+  } catch (error) {
+    failure = { text: error.message, until: Date.now() + FAILURE };
+  }
+  await refresh();
+}
+
+byId("slider").addEventListener("input", (event) => go(Number(event.target.value)));
+byId("back").addEventListener("click", () => go((shown ?? latest.run.last_step + 1) - 1));
+byId("forth").addEventListener("click", () => go(shown + 1));
+byId("now").addEventListener("click", () => go(null));
+byId("hold").addEventListener("click", () => request("/api/hold"));
+byId("continue").addEventListener("click", () => request("/api/continue"));
+document.addEventListener("keydown", (event) => {
+  if (event.target instanceof HTMLInputElement) return; // the slider has its own keys
+  if (event.key === "ArrowLeft" && latest && !byId("back").disabled) byId("back").click();
+  if (event.key === "ArrowRight" && !byId("forth").disabled) byId("forth").click();
+});
+
+async function follow() {
+  await refresh();
+  setTimeout(follow, document.hidden ? 5 * INTERVAL : INTERVAL);
+}
+follow();

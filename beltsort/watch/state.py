@@ -1,0 +1,259 @@
+"""What the page shows, as plain data: a function of a run's history."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isnan
+
+from beltsort import SortingModel
+from beltsort.cell.commands import AdvanceTo, MoveTo, SortInto
+from beltsort.errors import JournalError
+from beltsort.planning.bins import sorting_statistics
+from beltsort.planning.decisions import right_bins
+from beltsort.planning.explanation import action_in_words
+from beltsort.sorting.audit import action_of
+from beltsort.sorting.entries import Planned, State
+from beltsort.sorting.progress import Next
+from beltsort.sorting.report import REJECTED, Decision, confusion
+from beltsort.watch.history import Alarm, Moment, RunHistory, ScanMark, most_likely
+
+SHOWN_ALARMS = 50
+
+
+@dataclass(frozen=True)
+class PositionView:
+    """A belt position: the number of its object (None beyond the last), what is believed and was seen."""
+
+    object: int | None
+    belief: list[float]
+    likely: int | None
+    """The class that is likelier than every other: an index."""
+    bins: list[float]
+    """Probability that each bin is right; empty if bins are the classes."""
+    looks: int
+    seen: str
+
+
+@dataclass(frozen=True)
+class ActionView:
+    """An action that was compared, and its value."""
+
+    name: str
+    value: float
+    chosen: bool
+
+
+@dataclass(frozen=True)
+class PlanView:
+    """The choice of one planner step."""
+
+    step: int
+    action: str
+    reason: str | None
+    """Why a rule chose; None if the policy did."""
+    values: list[ActionView]
+    """The best first; empty if the policy compares none."""
+
+
+@dataclass(frozen=True)
+class BinView:
+    """What a bin has received; right and purity are None where true classes are not known."""
+
+    name: str
+    objects: int
+    right: int | None
+    purity: float | None
+
+
+@dataclass(frozen=True)
+class TallyView:
+    """What the run has come to."""
+
+    sorted: int
+    skipped: int
+    passed: int
+    forced: int
+    right: int | None
+    looks_per_object: float | None
+    objects_per_minute: float | None
+    seconds: float
+    bins: list[BinView]
+
+
+@dataclass(frozen=True)
+class MomentView:
+    """The run at one time."""
+
+    step: int | None
+    """The planner step before which this was; None for now."""
+    time: str
+    object: int
+    viewpoint: int
+    positions: list[PositionView]
+    plan: PlanView | None
+    doing: str
+    """What is being done; empty unless this is now."""
+    scan: ScanMark | None
+    tally: TallyView
+
+
+@dataclass(frozen=True)
+class RunView:
+    """A run, and the moment shown."""
+
+    run: str
+    state: str
+    reason: str
+    ended: str | None
+    updated: str
+    """Time of the last entry, UTC."""
+    entry: int
+    first: int
+    objects: int
+    first_step: int
+    last_step: int
+    classes: list[str]
+    bins: list[str]
+    viewpoints: list[str]
+    alarms: list[Alarm]
+    """The latest first."""
+    alarm_counts: dict[str, int]
+    moment: MomentView
+
+
+def state_of(
+    history: RunHistory, step: int | None = None, true: Mapping[int, int | None] | None = None
+) -> RunView:
+    """Return what is to be shown of a run.
+
+    Parameters
+    ----------
+    history
+        The run.
+    step
+        The planner step before which to show it; None: as it is now.
+    true
+        Class index of each object by its number, None for an empty cup, as far as known.
+
+    Raises
+    ------
+    JournalError
+        If the step is not among those kept.
+    """
+    progress, model, moments = history.progress, history.progress.model, history.moments
+    if step is not None and step not in moments:
+        kept = f"steps {min(moments)} to {max(moments)}" if moments else "no steps"
+        raise JournalError(f"there is no step {step}; there are {kept}")
+    moment = history.now() if step is None else moments[step]
+    updated = history.now().time
+    return RunView(
+        run=progress.run,
+        state=history.state.value,
+        reason=history.reason,
+        ended=history.ended,
+        updated=updated,
+        entry=history.last_entry,
+        first=progress.first,
+        objects=progress.objects,
+        first_step=min(moments, default=0),
+        last_step=max(moments, default=0),
+        classes=model.classes,
+        bins=model.bins,
+        viewpoints=model.viewpoints,
+        alarms=list(history.alarms)[: -SHOWN_ALARMS - 1 : -1],
+        alarm_counts=dict(history.alarm_counts),
+        moment=MomentView(
+            step=step,
+            time=moment.time,
+            object=moment.index,
+            viewpoint=moment.viewpoint,
+            positions=_positions(history, moment),
+            plan=_plan(moment),
+            doing=_doing(history) if step is None else "",
+            scan=moment.scan,
+            tally=_tally(history, moment, true or {}),
+        ),
+    )
+
+
+def _positions(history: RunHistory, moment: Moment) -> list[PositionView]:
+    model, end = history.progress.model, history.progress.end
+    rows = moment.belief.probabilities
+    bins = rows @ right_bins(model).T if model.bins != model.classes else rows[:, :0]  # (H, B)
+    return [
+        PositionView(
+            object=moment.index + j if moment.index + j < end else None,
+            belief=[round(p, 4) for p in rows[j].tolist()],
+            likely=most_likely(rows[j].tolist()),
+            bins=[round(p, 4) for p in bins[j].tolist()],
+            looks=moment.looks[j],
+            seen=moment.seen[j],
+        )
+        for j in range(len(rows))
+    ]
+
+
+def _plan(moment: Moment) -> PlanView | None:
+    step = moment.step
+    if step is None:
+        return None
+    values: list[ActionView] = []
+    if isinstance(step.choice, Planned):
+        ranked = sorted(step.choice.values, key=lambda action: -action["value"])
+        for action in ranked:
+            chosen = step.choice.action.items() <= action.items()
+            name = action_in_words(step.model, action_of(action))
+            values.append(ActionView(name, round(action["value"], 3), chosen))
+    return PlanView(step.number, action_in_words(step.model, step.action), step.reason, values)
+
+
+def _doing(history: RunHistory) -> str:
+    """Say what the run is doing now; nothing if it does nothing."""
+    progress = history.progress
+    if history.ended is not None or history.state is not State.EXECUTE or progress.done:
+        return ""
+    match progress.pending.act if progress.pending is not None else progress.next:
+        case MoveTo(viewpoint):
+            return f"moving to {progress.model.viewpoints[viewpoint]}"
+        case AdvanceTo(index):
+            return f"bringing object {index} to the belt end"
+        case SortInto() | Next.ADVANCE:
+            return "sorting the object at the belt end"
+        case Next.SCAN:
+            return f"scanning from {progress.model.viewpoints[progress.viewpoint]}"
+    return "choosing the next action"
+
+
+def _tally(history: RunHistory, moment: Moment, true: Mapping[int, int | None]) -> TallyView:
+    progress = history.progress
+    decisions = progress.decisions[: moment.sorted]
+    done = moment.sorted + moment.skipped
+    bins = _bins(progress.model, decisions, true)
+    return TallyView(
+        sorted=moment.sorted,
+        skipped=moment.skipped,
+        passed=moment.passed,
+        forced=sum(decision.forced is not None for decision in decisions),
+        right=sum(found.right or 0 for found in bins) if true else None,
+        looks_per_object=sum(d.looks for d in decisions) / len(decisions) if decisions else None,
+        objects_per_minute=60.0 * done / moment.seconds if done and moment.seconds > 0.0 else None,
+        seconds=moment.seconds,
+        bins=bins,
+    )
+
+
+def _bins(model: SortingModel, decisions: list[Decision], true: Mapping[int, int | None]) -> list[BinView]:
+    """Return what each bin has received, the reject bin last if it has any."""
+    names = [*model.bins, REJECTED]
+    objects = [0] * len(names)
+    for decision in decisions:
+        objects[-1 if decision.label is None else decision.label] += 1
+    rights: list[int | None] = [None] * len(names)
+    purities: list[float | None] = [None] * len(names)
+    if true:
+        counts = confusion(((d.object, d.label) for d in decisions), true.get, model)
+        right = (counts * right_bins(model)).sum(axis=1).tolist()
+        for b, found in enumerate(sorting_statistics(model, counts).bins):
+            purity = found.purity.value
+            rights[b], purities[b] = int(right[b]), None if isnan(purity) else purity
+    views = [*map(BinView, names, objects, rights, purities)]
+    return views if objects[-1] else views[:-1]

@@ -1,0 +1,191 @@
+"""Follows one run: its journal, its last scan, and requests to hold it."""
+
+import threading
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from beltsort.errors import JournalError
+from beltsort.planning.explanation import explain
+from beltsort.sorting.journal import entries_after, read_journal
+from beltsort.sorting.last_scan import LAST_SCAN, KeptScan
+from beltsort.sorting.requests import Action, Request, is_token, read_request, takes_requests, write_request
+from beltsort.sorting.runs import JOURNAL, read_true_classes
+from beltsort.watch.history import RunHistory
+from beltsort.watch.state import RunView, state_of
+
+NO_SCAN = (
+    "This run has kept no scan: it has taken none yet, its disk was full, or an older beltsort sorted. "
+    "`beltsort run` and `beltsort demo` of this version keep the last scan of a run."
+)
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A run and the moment shown, and whether the run takes requests.
+
+    Attributes
+    ----------
+    run
+        The run.
+    takes_requests
+        Whether it was started with `--allow-hold` and still runs.
+    request
+        The request that stands.
+    kept_scan
+        Number of the journal entry of the scan that is kept; None if there is none.
+    """
+
+    run: RunView
+    takes_requests: bool
+    request: Request | None
+    kept_scan: int | None
+
+
+@dataclass(frozen=True)
+class SceneView:
+    """The kept scan; lengths in millimetres, belt frame.
+
+    Attributes
+    ----------
+    entry
+        Number of its journal entry.
+    points
+        x, y, z of one point after the other.
+    positions
+        The belt position of each point's candidate; -1 for none.
+    camera
+        Position and viewing direction of the camera: x, y, z of each.
+    viewpoints
+        Position of each viewpoint; None where it is not known.
+    layout
+        Number of belt positions, their spacing, height and radius of a cup's rim.
+    """
+
+    entry: int
+    points: list[int]
+    positions: list[int]
+    camera: list[list[float]]
+    viewpoints: list[list[float] | None]
+    layout: list[float]
+
+
+class Watcher:
+    """Reads one run as it goes on. May be used from several threads.
+
+    Parameters
+    ----------
+    run
+        The folder of the run, or its journal.
+
+    Raises
+    ------
+    JournalError
+        If there is no journal, or it is damaged.
+    """
+
+    def __init__(self, run: Path) -> None:
+        self.journal = run / JOURNAL if run.is_dir() else run
+        self.folder = self.journal.parent
+        self._lock = threading.Lock()
+        entries = read_journal(self.journal)
+        self._history = RunHistory(entries[0])
+        self._history.read(entries)
+        self._true = read_true_classes(self.folder)
+        self._explained = lru_cache(maxsize=256)(self._explain)
+
+    def state(self, step: int | None = None) -> Watched:
+        """Read what is new, and return the run; before a planner step, or as it is now.
+
+        Raises
+        ------
+        JournalError
+            If the journal cannot be read, or there is no such step.
+        """
+        with self._lock:
+            self._history.read(entries_after(self.journal, self._history.last_entry))
+            run = state_of(self._history, step, self._true)
+        scan = self._scan()
+        return Watched(
+            run,
+            takes_requests(self.folder),
+            read_request(self.folder),
+            None if scan is None else scan.entry,
+        )
+
+    def explanation(self, step: int) -> str:
+        """Return why the action of a step was chosen, in words: the step is planned again.
+
+        Raises
+        ------
+        JournalError
+            If there is no such step.
+        """
+        return self._explained(step)
+
+    def scene(self) -> SceneView:
+        """Return the scan that is kept.
+
+        Raises
+        ------
+        JournalError
+            If there is none.
+        """
+        scan = self._scan()
+        if scan is None:
+            raise JournalError(NO_SCAN)
+        eyes = [pose[:3, 3] for pose in scan.viewpoints]
+        layout = scan.layout
+        return SceneView(
+            scan.entry,
+            np.rint(1000.0 * scan.points).astype(int).ravel().tolist(),
+            scan.positions.tolist(),
+            [(1000.0 * scan.camera[:3, 3]).round(1).tolist(), scan.camera[:3, 2].round(4).tolist()],
+            [(1000.0 * eye).round(1).tolist() if np.isfinite(eye).all() else None for eye in eyes],
+            [
+                layout.positions,
+                *(1000.0 * length for length in (layout.spacing, layout.rim_height, layout.rim_radius)),
+            ],
+        )
+
+    def may_request(self, token: str) -> bool:
+        """Whether a token is that of the run."""
+        return is_token(self.folder, token)
+
+    def request(self, action: Action) -> Request:
+        """Ask the run to hold or to continue, and return the request.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        request = Request.now(action, "beltsort watch")
+        write_request(self.folder, request)
+        return request
+
+    def _scan(self) -> KeptScan | None:
+        try:
+            return KeptScan.load(self.folder / LAST_SCAN)
+        except JournalError:
+            return None
+
+    def _explain(self, number: int) -> str:
+        with self._lock:
+            moment = self._history.moments.get(number)
+        if moment is None or moment.step is None:
+            raise JournalError(f"there is no step {number}, or it is no longer kept")
+        step = moment.step
+        if step.reason is not None:
+            return f"A rule chose: {step.reason}."
+        plan = step.plan_again()
+        if plan is None:
+            return "It was chosen by a policy that returns no action values."
+        return explain(step.model, plan)
+
+
+def as_json(view: Watched | SceneView) -> dict[str, object]:
+    """Return a view as plain data for JSON."""
+    return asdict(view)

@@ -1,0 +1,185 @@
+"""The server: what it answers, and to whom."""
+
+import http.client
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from beltsort.errors import JournalError
+from beltsort.sorting.audit import entries_of, step_of
+from beltsort.sorting.last_scan import LAST_SCAN, KeptScan
+from beltsort.sorting.requests import TOKEN, read_request, read_token, taking_requests
+from beltsort.watch import Watcher, WatchServer
+
+
+@pytest.fixture
+def server(finished: Path) -> Iterator[WatchServer]:
+    with WatchServer(Watcher(finished)) as server:
+        yield server
+
+
+def ask(
+    server: WatchServer, path: str, method: str = "GET", headers: dict[str, str] | None = None
+) -> tuple[int, str, http.client.HTTPMessage]:
+    connection = http.client.HTTPConnection(server.url.split("/")[2], timeout=20)
+    connection.request(method, path, headers=headers or {})
+    answer = connection.getresponse()
+    body = answer.read().decode()
+    connection.close()
+    return answer.status, body, answer.headers
+
+
+def json_of(server: WatchServer, path: str) -> dict[str, Any]:
+    status, body, headers = ask(server, path)
+    assert (status, headers["Content-Type"]) == (200, "application/json"), body
+    content = json.loads(body)
+    assert isinstance(content, dict)
+    return content
+
+
+def test_the_page_and_its_files(server: WatchServer) -> None:
+    for path, kind in [
+        ("/", "text/html"),
+        ("/style.css", "text/css"),
+        ("/page.js", "text/javascript"),
+        ("/scene.js", "text/javascript"),
+    ]:
+        status, body, headers = ask(server, path)
+        assert status == 200
+        assert headers["Content-Type"].startswith(kind)
+        assert "default-src 'none'" in headers["Content-Security-Policy"]
+        assert "http:" not in body.replace("http://www.w3.org", "")
+        assert "https:" not in body
+
+
+def test_the_run_now_and_before_a_step(server: WatchServer) -> None:
+    now = json_of(server, "/api/state")
+    assert now["run"]["state"] == "Complete"
+    assert not now["takes_requests"]
+    then = json_of(server, "/api/state?step=2")["run"]["moment"]
+    assert then["step"] == 2
+    assert then["plan"]["step"] == 2
+    assert ask(server, "/api/state?step=999")[0] == 404
+    assert ask(server, "/api/state?step=two")[0] == 400
+
+
+def test_the_last_scan(server: WatchServer, finished: Path) -> None:
+    scene, kept = json_of(server, "/api/scene"), json_of(server, "/api/state")["kept_scan"]
+    assert scene["entry"] == kept
+    assert len(scene["points"]) == 3 * len(scene["positions"])
+    assert set(scene["positions"]) <= {-1, 0, 1}
+    assert 0 in scene["positions"]
+    assert len(scene["viewpoints"]) == 3
+    assert scene["layout"] == [2, 180.0, 50.0, 40.0]
+    scanned = [entry.number for entry in entries_of(finished) if entry.kind == "scan"]
+    assert kept == scanned[-1]
+
+
+def test_a_run_without_a_scan(finished: Path, tmp_path: Path) -> None:
+    (tmp_path / "journal.sqlite").write_bytes((finished / "journal.sqlite").read_bytes())
+    with WatchServer(Watcher(tmp_path)) as server:
+        assert json_of(server, "/api/state")["kept_scan"] is None
+        status, body, _ = ask(server, "/api/scene")
+    assert status == 404
+    assert "has kept no scan" in body
+
+
+def test_an_explanation_is_that_of_the_plan(server: WatchServer, finished: Path) -> None:
+    text = json_of(server, "/api/explanation?step=1")["text"]
+    plan = step_of(entries_of(finished), 1).plan_again()
+    assert plan is not None
+    assert "one more look, from" in text
+    assert "most likely:" in text
+    assert ask(server, "/api/explanation?step=999")[0] == 404
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/../watcher.py",
+        "/page/index.html",
+        "/%2e%2e/%2e%2e/etc/passwd",
+        "//etc/passwd",
+        "/journal.sqlite",
+        "/api/",
+    ],
+)
+def test_there_is_nothing_else(server: WatchServer, path: str) -> None:
+    assert ask(server, path)[0] == 404
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "evil.example"},
+        {"Host": "evil.example:80"},
+        {"Host": ""},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+    ],
+)
+@pytest.mark.parametrize("method", ["GET", "POST"])
+def test_pages_of_other_sites_get_no_answer(
+    server: WatchServer, headers: dict[str, str], method: str
+) -> None:
+    status, body, _ = ask(server, "/api/state" if method == "GET" else "/api/hold", method, headers)
+    assert status == 403
+    assert "run" not in json.loads(body)
+
+
+def test_it_listens_on_this_computer_only(server: WatchServer) -> None:
+    assert server.url.startswith("http://127.0.0.1:")
+    assert (
+        ask(
+            server, "/api/state", headers={"Host": server.url.split("/")[2].replace("127.0.0.1", "localhost")}
+        )[0]
+        == 200
+    )
+
+
+def control(server: WatchServer, path: str, token: str, method: str = "POST") -> int:
+    return ask(server, path, method, {"Authorization": f"Bearer {token}"})[0]
+
+
+def test_a_request_needs_the_token(finished: Path, tmp_path: Path) -> None:
+    (tmp_path / "journal.sqlite").write_bytes((finished / "journal.sqlite").read_bytes())
+    with WatchServer(Watcher(tmp_path)) as server:
+        assert control(server, "/api/hold", "") == 403  # the run takes none
+        with taking_requests(tmp_path):
+            token = read_token(tmp_path)
+            assert token is not None
+            assert (tmp_path / TOKEN).stat().st_mode & 0o777 == 0o600
+            assert json_of(server, "/api/state")["takes_requests"]
+            assert token not in json.dumps(json_of(server, "/api/state"))
+            for wrong in ("", token[:-1], token + "x", "ä"):
+                assert control(server, "/api/hold", wrong) == 403
+            assert control(server, "/api/hold", token, method="GET") == 404
+            assert ask(server, f"/api/hold?token={token}", "POST")[0] == 404
+            assert control(server, "/api/stop", token) == 404
+            assert read_request(tmp_path) is None
+            assert control(server, "/api/hold", token) == 200
+            assert (hold := read_request(tmp_path)) is not None
+            assert hold.action == "hold"
+            assert "beltsort watch" in hold.by
+            assert control(server, "/api/continue", token) == 200
+            assert (go_on := read_request(tmp_path)) is not None
+            assert go_on.action == "continue"
+        assert control(server, "/api/hold", token) == 403  # the run has ended
+
+
+def test_watching_leaves_the_folder_as_it_is(finished: Path) -> None:
+    before = {file.name: file.stat().st_mtime_ns for file in finished.iterdir()}
+    with WatchServer(Watcher(finished)) as server:
+        json_of(server, "/api/state")
+        json_of(server, "/api/explanation?step=1")
+        assert {file.name: file.stat().st_mtime_ns for file in finished.iterdir()} == before
+    assert {file.name: file.stat().st_mtime_ns for file in finished.iterdir()} == before
+
+
+def test_a_damaged_scan_is_no_scan(finished: Path, tmp_path: Path) -> None:
+    (tmp_path / LAST_SCAN).write_bytes((finished / LAST_SCAN).read_bytes()[:-100])
+    with pytest.raises(JournalError, match="the next scan replaces it"):
+        KeptScan.load(tmp_path / LAST_SCAN)
