@@ -126,7 +126,12 @@ def test_every_header_that_the_tests_compile_is_in_the_list() -> None:
     assert {header for header in included if not of_c_and_linux.fullmatch(header)} == listed("header").keys()
 
 
+def test_every_program_that_the_tests_look_for_is_in_the_list() -> None:
+    sources = "".join(file.read_text("utf-8") for file in sorted((ROOT / "tests" / "watch").glob("*.py")))
+    assert set(re.findall(r'shutil\.which\("(\w+)"\)', sources)) == listed("program").keys()
+
+
 def test_the_list_is_in_order() -> None:
     text = [line.split() for line in LIST.read_text().splitlines() if line and not line.startswith("#")]
-    assert all(len(row) == 3 and row[0] in {"library", "ros1", "header"} for row in text)
+    assert all(len(row) == 3 and row[0] in {"library", "ros1", "header", "program"} for row in text)
     assert all(package == f"python3-{loaded.replace('_', '-')}" for loaded, package in listed("ros1").items())

@@ -16,11 +16,6 @@ from beltsort.sorting.runs import JOURNAL, read_true_classes
 from beltsort.watch.history import RunHistory
 from beltsort.watch.state import RunView, state_of
 
-NO_SCAN = (
-    "This run has kept no scan: it has taken none yet, its disk was full, or an older beltsort sorted. "
-    "`beltsort run` and `beltsort demo` of this version keep the last scan of a run."
-)
-
 
 @dataclass(frozen=True)
 class Watched:
@@ -135,7 +130,7 @@ class Watcher:
         """
         scan = self._scan()
         if scan is None:
-            raise JournalError(NO_SCAN)
+            raise JournalError(f"{self.folder / LAST_SCAN} does not exist: this run has kept no scan yet")
         eyes = [pose[:3, 3] for pose in scan.viewpoints]
         layout = scan.layout
         return SceneView(

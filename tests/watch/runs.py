@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,9 @@ from beltsort.perception import Perception
 from beltsort.perception.pipeline import Perceived
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.prepare import Recipe, prepare
+from beltsort.sorting.loop import Check, nothing
 from beltsort.sorting.report import SortingReport
-from beltsort.sorting.rules import Drift, Rules
+from beltsort.sorting.rules import Rules
 from beltsort.sorting.runs import sort_into, write_true_classes
 
 TRUE = (0, 1, 1, 0, 3, 2)
@@ -61,23 +63,25 @@ def sort_bulbs(
     unusable: Sequence[int] = (),
     delay: float = 0.0,
     max_looks: int = 60,
-    drift: Drift | None = None,
     allow_hold: bool = False,
-) -> SortingReport:
-    """Sort simulated bulbs; the run's folder is made."""
+    check: Check = nothing,
+) -> SortingReport | None:
+    """Sort simulated bulbs in a folder; return None if `check` has ended the run."""
     folder.mkdir(parents=True, exist_ok=True)
     model = model_of(positions, two_bins=two_bins)
     config = CellConfig(layout=BeltLayout(positions=positions))
     cell = SimulatedCell(true, config, seed=1, bin_names=model.bins)
     write_true_classes(folder, 0, true)
-    return sort_into(
-        folder,
-        cell,
-        Eyes(config.layout, unusable, delay),
-        beltsort.Despot(model, trials=20, scenarios=100),
-        model,
-        objects=len(true),
-        rules=Rules(max_looks=max_looks),
-        drift=drift,
-        requests=folder if allow_hold else None,
-    )
+    with suppress(KeyboardInterrupt):
+        return sort_into(
+            folder,
+            cell,
+            Eyes(config.layout, unusable, delay),
+            beltsort.Despot(model, trials=20, scenarios=100),
+            model,
+            objects=len(true),
+            rules=Rules(max_looks=max_looks),
+            requests=folder if allow_hold else None,
+            check=check,
+        )
+    return None

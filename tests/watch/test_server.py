@@ -84,7 +84,7 @@ def test_a_run_without_a_scan(finished: Path, tmp_path: Path) -> None:
         assert json_of(server, "/api/state")["kept_scan"] is None
         status, body, _ = ask(server, "/api/scene")
     assert status == 404
-    assert "has kept no scan" in body
+    assert "kept no scan" in body
 
 
 def test_an_explanation_is_that_of_the_plan(server: WatchServer, finished: Path) -> None:

@@ -8,6 +8,8 @@ const SILENT = 15; // seconds without an entry, after which a run that should go
 const FAILURE = 8000; // ms that the failure of a request is shown
 const EXPLAIN_AFTER = 400; // ms that a step is shown before it is explained
 
+const NO_SCAN = "none kept yet; `beltsort run` and `beltsort demo` keep the last one of a run";
+
 const byId = (id) => document.getElementById(id);
 const scene = new Scene(byId("cloud"), byId("sphere"));
 const explanations = new Map();
@@ -238,8 +240,8 @@ async function refresh() {
     const changed = lost || JSON.stringify(answer) !== JSON.stringify(latest);
     lost = false;
     latest = answer;
-    if (answer.kept_scan == null) cloud = { error: "no scan yet" };
-    if (answer.kept_scan !== cloud?.entry || cloud?.error) await fetchScene();
+    if (answer.kept_scan == null) cloud = { error: NO_SCAN };
+    else if (answer.kept_scan !== cloud?.entry) await fetchScene();
     if (changed) render();
     else showHeader(latest); // the time since the last entry
   } catch (error) {
