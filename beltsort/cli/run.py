@@ -88,6 +88,9 @@ def run(arguments: Namespace) -> int:
             first=arguments.first_object,
         )
     print_cell_mode(console, description, opened.cell)
+    if arguments.allow_hold:
+        watching = shlex.join(["beltsort", "watch", str(opened.folder), "--control"])
+        console.print(f"to hold and continue the run: {watching}")
     operator = CommandLineOperator(arguments.settle, opened.broken_off)
     with Interrupts() as interrupts, run_display(console) as listener:
         try:

@@ -51,8 +51,9 @@ def run(arguments: Namespace) -> int:
         raise ArgumentError(f"--port is {arguments.port}, expected 0 to {LARGEST_PORT}; leave it out for any")
     watcher = Watcher(arguments.folder)
     token = f"#token={control_token(watcher)}" if arguments.control else ""
+    server = WatchServer(watcher, arguments.port)
     os.nice(NICENESS)
-    with WatchServer(watcher, arguments.port) as server:
+    with server:
         address = f"{server.url}{token}"
         if arguments.json:
             print_json({"address": address, "run": str(watcher.folder)})

@@ -3,6 +3,8 @@
 import dataclasses
 import json
 import re
+import threading
+import time
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -17,8 +19,11 @@ from beltsort.cli import exit_codes, main
 from beltsort.perception import LabelRule, NearestNeighbour
 from beltsort.sim import CellConfig
 from beltsort.sim.prepare import Prepared, Recipe
-from beltsort.sorting.journal import read_journal
+from beltsort.sorting.journal import entries_after, read_journal
+from beltsort.sorting.last_scan import LAST_SCAN, KeptScan
 from beltsort.sorting.progress import Progress
+from beltsort.sorting.requests import TOKEN, Request, read_token, write_request
+from beltsort.sorting.runs import read_true_classes
 from beltsort.tables.counts import Look, count
 from tests.cellfile.cell_files import changed
 from tests.cli.cells import PREPARE, cell_file
@@ -65,6 +70,34 @@ def test_a_run_sorts_every_object_and_keeps_its_record(
     done = {e.data["command_id"] for e in entries if e.kind == "outcome"}
     assert {call["call"]["command_id"] for call in calls if call["call"]["command_id"]} == done
     assert beltsort.SortingModel.load(run / "model.json").positions == 2
+
+
+def test_a_run_can_be_held_and_continued(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = cell_file(folder)
+    answered: list[str] = []
+
+    def person() -> None:
+        while not (tokens := list(folder.glob(f"runs/*/{TOKEN}"))) or not read_token(tokens[0].parent):
+            time.sleep(0.01)
+        run = tokens[0].parent
+        answered.append(run.name)
+        write_request(run, Request.now("hold", "test"))
+        while "request" not in [entry.kind for entry in entries_after(run / "journal.sqlite", 0)]:
+            time.sleep(0.05)
+        write_request(run, Request.now("continue", "test"))
+
+    thread = threading.Thread(target=person)
+    thread.start()
+    assert main(["run", path, "--objects", "2", "--allow-hold"]) == 0
+    thread.join()
+    said = capsys.readouterr().out
+    assert f"beltsort watch runs/{answered[0]} --control" in said
+    assert "asked to hold" in said
+    assert "2 sorted in " in said
+    run = folder / "runs" / answered[0]
+    assert not (run / TOKEN).exists()
+    assert read_true_classes(run).keys() == {0, 1}
+    assert KeptScan.load(run / LAST_SCAN).layout.positions == 2
 
 
 def test_json_is_one_object_and_the_same_seed_gives_the_same_run(
