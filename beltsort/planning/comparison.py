@@ -200,7 +200,7 @@ def compare(
     batch_size: int = DEFAULT_BATCH_SIZE,
     seed: int = 0,
     threads: int | None = None,
-    viewpoint: int = 0,
+    viewpoint: int | str = 0,
     true_classes: ArrayLike | None = None,
     truth: SortingModel | None = None,
     max_looks: int = DEFAULT_MAX_LOOKS,

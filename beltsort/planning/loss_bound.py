@@ -57,7 +57,7 @@ class LossBound:
         return numbers_or_none(asdict(self) | {"confidence_limit": self.confidence_limit})
 
 
-def loss_bound(evaluation: Evaluation, reference: Solution, viewpoint: int = 0) -> LossBound:
+def loss_bound(evaluation: Evaluation, reference: Solution, viewpoint: int | str = 0) -> LossBound:
     """Return how much an evaluated policy loses at most.
 
     Parameters

@@ -11,6 +11,7 @@ mod validate;
 use std::fmt;
 
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 pub use likelihood::Look;
 pub use spec::{
@@ -24,7 +25,7 @@ use crate::index::{Bin, Position, Viewpoint};
 use rewards::Rewards;
 
 /// One planner step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Action {
     /// `m_k`: move the camera to a viewpoint and scan.
     Move(Viewpoint),

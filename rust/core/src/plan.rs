@@ -2,11 +2,13 @@
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::model::Action;
 use crate::search::{Searched, TreeNode};
 
 /// The outcome of planning.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Plan {
     /// The action to take.
     pub action: Action,
@@ -31,7 +33,8 @@ pub struct Plan {
     pub expansions: u64,
     /// Belief nodes created.
     pub nodes: u64,
-    /// The searched tree, of planners that keep it.
+    /// The searched tree, of planners that keep it; it is not written.
+    #[serde(skip)]
     pub(crate) searched: Option<Searched>,
 }
 

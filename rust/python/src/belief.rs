@@ -2,14 +2,17 @@
 
 use std::sync::Arc;
 
-use beltsort_core::{Belief, Class, Label, Position, SortingModel, Viewpoint};
+use beltsort_core::{Belief, Class, Position, SortingModel, Viewpoint};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
-use crate::convert::{self, Whole, index, labels_or_none, rows};
+use crate::convert::{Whole, index, labels_or_none, rows};
+use crate::display::displayed;
 use crate::errors::{ArgumentError, to_python};
 use crate::model::PySortingModel;
+use crate::names::Named;
 
 /// The factored belief: one distribution over the N kinds (class and mode) per belt position.
 ///
@@ -48,9 +51,11 @@ use crate::model::PySortingModel;
 /// >>> import beltsort
 /// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
 /// >>> belief = beltsort.Belief(model)
-/// >>> belief.observe(0, [1])
+/// >>> belief.observe("front", ["bolt"])
 /// >>> belief
-/// Belief([[0.200, 0.800]])
+/// Belief
+///   position    nut   bolt
+///   0         0.200  0.800
 /// >>> belief.most_likely(0)
 /// (1, 0.8)
 #[pyclass(eq, name = "Belief", module = "beltsort", from_py_object)]
@@ -75,7 +80,8 @@ impl PyBelief {
         self.model.class_probability(class, self.belief.position(position).as_slice())
     }
 
-    /// The label that a position last gave from a viewpoint; -1 for none, as numpy has no None among integers.
+    /// The label that a position last gave from a viewpoint; -1 for none, as numpy has no None among
+    /// integers.
     fn last_label(&self, position: Position, viewpoint: Viewpoint) -> i64 {
         let label = self.belief.last_label(&self.model, position, viewpoint);
         label.and_then(|label| i64::try_from(label.0).ok()).unwrap_or(-1)
@@ -113,22 +119,24 @@ impl PyBelief {
         PySortingModel(Arc::clone(&self.model))
     }
 
-    /// `b^j_i`: probability that the object at position j is of class i, float64 of shape (H, L); a copy.
+    /// `b^j_i`: probability that the object at position j is of class i, float64 (H, L); a copy.
     #[getter]
     fn probabilities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let shape = (self.model.position_count(), self.model.class_count());
         Array2::from_shape_fn(shape, |(j, c)| self.class_probability(Position(j), Class(c))).into_pyarray(py)
     }
 
-    /// Probability that the object at position j is of kind n, float64 of shape (H, N); a copy. The kinds are the
-    /// modes of the first class, then those of the second, and so on; without `modes` they are the classes.
+    /// Probability that the object at position j is of kind n, float64 of shape (H, N); a copy.
+    ///
+    /// The kinds are the modes of the first class, then those of the second, and so on; without `modes` they
+    /// are the classes.
     #[getter]
     fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         Array2::from_shape_fn(self.belief.shape(), |(j, n)| self.belief.position(Position(j))[n])
             .into_pyarray(py)
     }
 
-    /// Last label of each position from each viewpoint since the belt moved, int64 of shape (H, K); a copy.
+    /// Last label of each position from each viewpoint since the belt moved, int64 (H, K); a copy.
     ///
     /// -1 where there is none, or where the model's `repeat` is 0.
     #[getter]
@@ -143,18 +151,18 @@ impl PyBelief {
         self.belief.remaining()
     }
 
-    /// Probability of each label at each position if the camera scanned from a viewpoint.
+    /// Return the probability of each label at each position if the camera scanned from a viewpoint.
     ///
     /// Parameters
     /// ----------
-    /// viewpoint : int
-    ///     Index of the viewpoint.
+    /// viewpoint : int or str
+    ///     Index or name of the viewpoint.
     ///
     /// Returns
     /// -------
     /// numpy.ndarray
-    ///     float64 of shape (H, Z): `sum_n b[j, n] P(z | j, viewpoint, n)` for position j and label z, where b are
-    ///     the `kinds` and P is `p_obs`, mixed with the last label by the model's `repeat`.
+    ///     float64 of shape (H, Z): `sum_n b[j, n] P(z | j, viewpoint, n)` for position j and label z, where
+    ///     b are the `kinds` and P is `p_obs`, mixed with the last label by the model's `repeat`.
     ///
     /// Raises
     /// ------
@@ -163,24 +171,26 @@ impl PyBelief {
     fn label_probabilities<'py>(
         &self,
         py: Python<'py>,
-        viewpoint: Whole,
+        viewpoint: Named,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let viewpoint = convert::viewpoint(viewpoint)?;
+        let viewpoint = viewpoint.viewpoint(&self.model)?;
         let predicted = self.belief.label_probabilities(&self.model, viewpoint).map_err(to_python)?;
         Ok(Array2::from_shape_fn((predicted.ncols(), predicted.nrows()), |(j, z)| predicted[(z, j)])
             .into_pyarray(py))
     }
 
-    /// Bayes' rule for one scan: `b[j, n]` becomes proportional to `b[j, n] P(labels[j] | j, viewpoint, n)`,
-    /// where b are the `kinds` and P is `p_obs`, mixed with the last label by the model's `repeat`.
+    /// Update the belief by the labels of one scan, with Bayes' rule.
+    ///
+    /// `b[j, n]` becomes proportional to `b[j, n] P(labels[j] | j, viewpoint, n)`, where b are the `kinds`
+    /// and P is `p_obs`, mixed with the last label by the model's `repeat`.
     ///
     /// Parameters
     /// ----------
-    /// viewpoint : int
-    ///     Index of the viewpoint that the scan was taken from.
-    /// labels : sequence of int or None, length H
-    ///     The label of each position, the belt end first: the class that it was taken for, unless the model has
-    ///     `labels`; None where nothing was seen.
+    /// viewpoint : int or str
+    ///     Index or name of the viewpoint that the scan was taken from.
+    /// labels : sequence of int, str or None, length H
+    ///     The label of each position, index or name, the belt end first: the class that it was taken for,
+    ///     unless the model has `labels`; None where nothing was seen.
     ///
     /// Raises
     /// ------
@@ -192,16 +202,17 @@ impl PyBelief {
     /// References
     /// ----------
     /// Mezei, Tamás & Buşoniu, ECC 2019, eq. 7.
-    fn observe(&mut self, viewpoint: Whole, labels: Vec<Option<Whole>>) -> PyResult<()> {
-        let labels = labels
-            .into_iter()
-            .map(|label| label.map(|z| index("label", z).map(Label)).transpose())
-            .collect::<PyResult<Vec<_>>>()?;
-        self.belief.observe(&self.model, convert::viewpoint(viewpoint)?, &labels).map_err(to_python)
+    fn observe(&mut self, viewpoint: Named, labels: Vec<Option<Named>>) -> PyResult<()> {
+        let viewpoint = viewpoint.viewpoint(&self.model)?;
+        let label = |label: Option<Named>| label.map(|label| label.label(&self.model)).transpose();
+        let labels = labels.into_iter().map(label).collect::<PyResult<Vec<_>>>()?;
+        self.belief.observe(&self.model, viewpoint, &labels).map_err(to_python)
     }
 
-    /// The belt advances: each position takes over the distribution behind it, the last one the arrival
-    /// prior. Last labels are forgotten, and one object less is left.
+    /// Advance the belt by one position.
+    ///
+    /// Each position takes over the distribution behind it, the last one the arrival prior. Last labels are
+    /// forgotten, and one object less is left.
     ///
     /// References
     /// ----------
@@ -210,7 +221,7 @@ impl PyBelief {
         self.belief.advance(&self.model);
     }
 
-    /// The most likely class at a position (the lowest label among equals) and its probability.
+    /// Return the most likely class at a position (the lowest label among equals) and its probability.
     ///
     /// Parameters
     /// ----------
@@ -235,32 +246,31 @@ impl PyBelief {
         Ok((class.0, probability))
     }
 
-    /// An independent belief, equal to this one.
+    /// Return an independent belief, equal to this one.
     fn copy(&self) -> Self {
         self.clone()
     }
 
-    fn __repr__(&self) -> String {
-        let rows: Vec<String> = self
-            .model
-            .positions()
-            .map(|j| {
-                let row: Vec<String> =
-                    self.model.classes().map(|c| format!("{:.3}", self.class_probability(j, c))).collect();
-                format!("[{}]", row.join(", "))
-            })
-            .collect();
-        let memory = if self.model.ever_repeats() {
-            let row = |j| self.model.viewpoints().map(|v| self.last_label(j, v)).collect::<Vec<_>>();
-            format!(", last_labels={:?}", self.model.positions().map(row).collect::<Vec<_>>())
-        } else {
-            String::new()
-        };
-        let remaining =
-            self.belief.remaining().map_or_else(String::new, |objects| format!(", remaining={objects}"));
-        format!("Belief([{}]{memory}{remaining})", rows.join(", "))
+    fn __copy__(&self) -> Self {
+        self.clone()
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.clone()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyType>, BeliefRecord<'py>)> {
+        let (belief, py) = (slf.borrow(), slf.py());
+        let memory = belief.model.ever_repeats().then(|| belief.last_labels(py));
+        Ok((slf.get_type(), (belief.model(), belief.kinds(py), memory, belief.remaining())))
     }
 }
+
+displayed!(PyBelief);
+
+/// The arguments of the constructor that give an equal belief.
+type BeliefRecord<'py> =
+    (PySortingModel, Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyArray2<i64>>>, Option<usize>);
 
 fn objects_left(value: Whole) -> PyResult<usize> {
     usize::try_from(value).map_err(|_| {

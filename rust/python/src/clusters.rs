@@ -4,7 +4,7 @@ use beltsort_core as core;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-/// Return the number of each point's cluster, from 0: a chain of steps no longer than `gap` joins its points.
+/// Return the number of each point's cluster, from 0; steps no longer than `gap` join its points.
 ///
 /// Parameters
 /// ----------

@@ -1,10 +1,13 @@
 //! From Python's numbers and arrays to those of the core.
 
-use beltsort_core::{Class, Label, ScalarOrMatrix, Smoothing, Tables, Viewpoint};
+use beltsort_core::{Class, Label, ScalarOrMatrix, Smoothing, Tables};
 use numpy::ndarray::Array4;
 use numpy::{AllowTypeChange, Element, IntoPyArray, PyArray4, PyArrayLikeDyn};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyAny, PyDict};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::errors::{ArgumentError, ModelError};
 
@@ -18,11 +21,6 @@ pub type Whole = i128;
 pub fn index(name: &str, value: Whole) -> PyResult<usize> {
     usize::try_from(value)
         .map_err(|_| ArgumentError::new_err(format!("{name} {value} is out of range: indices start at 0")))
-}
-
-/// A viewpoint as Python gives it; the core says whether the model has it.
-pub fn viewpoint(value: Whole) -> PyResult<Viewpoint> {
-    index("viewpoint", value).map(Viewpoint)
 }
 
 /// A number of things; the core says what it thinks of 0.
@@ -162,4 +160,14 @@ fn array<'py>(
             "{name} is not an array of numbers ({reason}); give nested lists of equal lengths, or a numpy array"
         )
     })
+}
+
+/// Numbers of the core as text, from which `from_json` restores them to the last bit: what pickle keeps.
+pub fn to_json(numbers: &impl Serialize) -> PyResult<String> {
+    serde_json::to_string(numbers).map_err(|e| PyValueError::new_err(e.to_string()))
+}
+
+/// The numbers that `to_json` wrote.
+pub fn from_json<T: DeserializeOwned>(text: &str) -> PyResult<T> {
+    serde_json::from_str(text).map_err(|e| PyValueError::new_err(e.to_string()))
 }

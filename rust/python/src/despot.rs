@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use beltsort_core::{
     Action, Belief, BeliefSearch, Budget, BudgetedDespot, BudgetedSearch, DEFAULT_SCENARIOS, Despot,
-    DespotConfig, Plan, Policy, Result, SortingModel, Viewpoint,
+    DespotConfig, Plan, Policy, Result, Solution, SortingModel, Viewpoint,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,9 +15,11 @@ use crate::actions;
 use crate::belief::PyBelief;
 use crate::budget::{self, budget, outside_pools, thread_pool};
 use crate::convert::{self, Whole, count};
+use crate::display::{displayed, immutable};
 use crate::errors::{ArgumentError, to_python};
 use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
+use crate::names::Named;
 use crate::plan::PyPlan;
 use crate::solution::PySolution;
 
@@ -26,15 +28,16 @@ use crate::solution::PySolution;
 /// A scenario fixes the classes of the objects and a stream of observation randoms. There are two variants:
 ///
 /// * "beliefs", the recommended one: the belief at each node is exact, and scenarios only choose which label
-///   vectors get a branch. A branch weighs its exact probability; the labels that no scenario gives follow the
-///   default policy, the best conditional plan for one object after the other. Solving for those plans is what
-///   makes the constructor take a moment.
-/// * "scenarios": DESPOT as published, to compare with. The search knows nothing but its scenarios: rewards and
+///   vectors get a branch. A branch weighs its exact probability; the labels that no scenario gives follow
+///   the default policy, the best conditional plan for one object after the other. Solving for those plans is
+///   what makes the constructor take a moment.
+/// * "scenarios": DESPOT as published, to compare with. The search knows nothing but its scenarios: rewards
+/// and
 ///   probabilities are averages over those that come to a node.
 ///
-/// A trial expands one leaf of the tree, or as many as the published algorithm says. With a budget of trials a
-/// plan is a pure function of model, belief, viewpoint, seed and settings, bit by bit the same for any number
-/// of `threads`; with a budget of time it depends on the machine too.
+/// A trial expands one leaf of the tree, or as many as the published algorithm says. With a budget of trials
+/// a plan is a pure function of model, belief, viewpoint, seed and settings, bit by bit the same for any
+/// number of `threads`; with a budget of time it depends on the machine too.
 ///
 /// Repeated labels and scans after decisions are planned for where the model has them; so is a bonus for
 /// information, by the variant "beliefs".
@@ -96,6 +99,7 @@ pub struct PyDespot {
     budget: Budget,
     pub model: Arc<SortingModel>,
     threads: Threads,
+    solution: Option<Arc<Solution>>,
 }
 
 /// A variant, with the budget of the constructor.
@@ -142,6 +146,17 @@ impl Threads {
             Some(pool) => Self::Own(pool),
             None => Self::Shared,
         })
+    }
+}
+
+impl Threads {
+    /// The argument of the constructor.
+    fn number(&self) -> Option<usize> {
+        match self {
+            Self::Caller => Some(1),
+            Self::Own(pool) => Some(pool.current_num_threads()),
+            Self::Shared => None,
+        }
     }
 }
 
@@ -224,7 +239,8 @@ impl PyDespot {
             }
         };
         let planner = planner.map_err(to_python)?;
-        Ok(Self { planner, budget, model: Arc::clone(model), threads: Threads::new(threads)? })
+        let solution = solution.map(|solution| Arc::clone(&solution.solution));
+        Ok(Self { planner, budget, model: Arc::clone(model), threads: Threads::new(threads)?, solution })
     }
 
     /// Plan the next action.
@@ -233,8 +249,8 @@ impl PyDespot {
     /// ----------
     /// belief : Belief
     ///     What is known of the objects; made for the planner's model, or an equal one.
-    /// viewpoint : int
-    ///     Where the camera stands.
+    /// viewpoint : int or str
+    ///     Where the camera stands: index or name.
     /// seconds, trials : optional
     ///     In place of the planner's own budget; at most one of them.
     ///
@@ -247,29 +263,30 @@ impl PyDespot {
     /// ------
     /// ArgumentError
     ///     For a belief of another model, an unknown viewpoint, both budgets, or one of 0 or below.
-    #[pyo3(signature = (belief, viewpoint=0, *, seconds=None, trials=None))]
+    #[pyo3(signature = (belief, viewpoint=Named::Index(0), *, seconds=None, trials=None),
+           text_signature = "($self, belief, viewpoint=0, *, seconds=None, trials=None)")]
     fn plan(
         &self,
         py: Python<'_>,
         belief: PyBelief,
-        viewpoint: Whole,
+        viewpoint: Named,
         seconds: Option<f64>,
         trials: Option<Whole>,
     ) -> PyResult<PyPlan> {
         belief.check_is_of(&self.model)?;
         let budget = budget(seconds, trials)?.unwrap_or(self.budget);
-        let plan = self.search(py, &belief.belief, convert::viewpoint(viewpoint)?, budget)?;
-        Ok(PyPlan(plan))
+        let plan = self.search(py, &belief.belief, viewpoint.viewpoint(&self.model)?, budget)?;
+        Ok(PyPlan { plan, model: Arc::clone(&self.model) })
     }
 
-    /// The action of a plan with the planner's own budget: a planner is a policy.
+    /// Return the action of a plan with the planner's own budget: a planner is a policy.
     ///
     /// Parameters
     /// ----------
     /// belief : Belief
     ///     What is known of the objects.
-    /// viewpoint : int
-    ///     Where the camera stands.
+    /// viewpoint : int or str
+    ///     Where the camera stands: index or name.
     ///
     /// Returns
     /// -------
@@ -280,13 +297,14 @@ impl PyDespot {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
         let plan = self.plan(py, belief, viewpoint, None, None)?;
-        actions::to_python(py, plan.0.action)
+        actions::to_python(py, plan.plan.action)
     }
 
-    /// What plans depend on, as keywords of the constructor: scenarios, seed, seconds, trials, regularization, depth,
-    /// variant.
+    /// What plans depend on, as keywords of the constructor.
+    ///
+    /// They are scenarios, seed, seconds, trials, regularization, depth, variant.
     #[getter]
     fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (config, variant) = self.planner.config();
@@ -311,4 +329,15 @@ impl PyDespot {
     fn model(&self) -> PySortingModel {
         PySortingModel(Arc::clone(&self.model))
     }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((PySortingModel,), Bound<'py, PyDict>)> {
+        let keywords = self.settings(py)?;
+        keywords.set_item("threads", self.threads.number())?;
+        let solution = |solution| PySolution { solution, model: Arc::clone(&self.model) };
+        keywords.set_item("solution", self.solution.clone().map(solution))?;
+        Ok(((self.model(),), keywords))
+    }
 }
+
+displayed!(PyDespot);
+immutable!(PyDespot);

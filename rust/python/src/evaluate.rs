@@ -4,17 +4,18 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use beltsort_core as core;
-use beltsort_core::{Class, EvaluationConfig, Policy, TrueClasses};
+use beltsort_core::{EvaluationConfig, Policy, SortingModel, TrueClasses};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
 use crate::budget::thread_pool;
-use crate::convert::{self, Whole, count, index};
+use crate::convert::{self, Whole, count};
 use crate::despot::PyDespot;
 use crate::errors::{ArgumentError, to_python};
 use crate::evaluation::PyEvaluation;
 use crate::interrupt::{Stoppable, interruptible};
 use crate::model::PySortingModel;
+use crate::names::{Named, rows_of_classes};
 use crate::policies::{PyInformationGain, PyLookAhead, PyOneObject, PyThreshold};
 use crate::solution::PySolution;
 use crate::user_policy::UserPolicy;
@@ -28,8 +29,8 @@ use crate::user_policy::UserPolicy;
 /// Parameters
 /// ----------
 /// model : SortingModel
-///     Updates the belief, gives the rewards, and says whether a scan follows each decision. Such a scan counts
-///     for `max_looks`, but is no step.
+///     Updates the belief, gives the rewards, and says whether a scan follows each decision. Such a scan
+///     counts for `max_looks`, but is no step.
 /// policy : Policy
 ///     `Despot`, `LookAhead`, `Threshold`, `InformationGain`, `OneObject`, or any object with a method
 ///     ``act(belief, viewpoint)`` that
@@ -43,14 +44,14 @@ use crate::user_policy::UserPolicy;
 ///     Seed of classes and labels. A seed that a policy was tuned on flatters it.
 /// threads : int, optional
 ///     Threads to use; all cores if missing. More than that gain nothing.
-/// viewpoint : int
+/// viewpoint : int or str
 ///     Where the camera stands when a batch starts.
-/// true_classes : array_like of int, optional
-///     A list of labels to draw from uniformly, or the labels themselves, shape (batches, batch_size + H -
-///     1). The arrival prior of `truth` if missing.
+/// true_classes : array_like of int or str, optional
+///     A list of classes to draw from uniformly, or the class of every object, shape (batches, batch_size + H
+///     - 1). The arrival prior of `truth` if missing.
 /// truth : SortingModel, optional
-///     Draws classes and labels, repeated ones by its own `repeat`; `model` if missing. Its H, K and L must be
-///     those of `model`.
+///     Draws classes and labels, repeated ones by its own `repeat`; `model` if missing. Its H, K and L must
+///     be those of `model`.
 /// max_looks : int, default 60
 ///     An object looked at this often gets the decision with the largest expected reward. Too large, and a
 ///     policy that never decides never ends.
@@ -85,8 +86,10 @@ use crate::user_policy::UserPolicy;
 /// {'mean': 20.0, 'standard_error': 0.0}
 #[pyfunction]
 #[pyo3(signature = (model, policy, *, batches=core::DEFAULT_BATCHES as Whole,
-                    batch_size=core::DEFAULT_BATCH_SIZE as Whole, seed=0, threads=None, viewpoint=0,
-                    true_classes=None, truth=None, max_looks=core::DEFAULT_MAX_LOOKS as Whole, reference=None, belt_ends=false))]
+                    batch_size=core::DEFAULT_BATCH_SIZE as Whole, seed=0, threads=None, viewpoint=Named::Index(0),
+                    true_classes=None, truth=None, max_looks=core::DEFAULT_MAX_LOOKS as Whole, reference=None, belt_ends=false),
+       text_signature = "(model, policy, *, batches=..., batch_size=..., seed=0, threads=None, viewpoint=0, \
+                         true_classes=None, truth=None, max_looks=..., reference=None, belt_ends=False)")]
 #[allow(clippy::too_many_arguments)] // the public contract
 pub fn evaluate(
     py: Python<'_>,
@@ -96,7 +99,7 @@ pub fn evaluate(
     batch_size: Whole,
     seed: Whole,
     threads: Option<Whole>,
-    viewpoint: Whole,
+    viewpoint: Named,
     true_classes: Option<&Bound<'_, PyAny>>,
     truth: Option<&PySortingModel>,
     max_looks: Whole,
@@ -108,8 +111,8 @@ pub fn evaluate(
         batch_size: count("batch_size", batch_size)?,
         seed: convert::seed(seed)?,
         belt_ends,
-        viewpoint: convert::viewpoint(viewpoint)?,
-        true_classes: true_classes.map_or(Ok(TrueClasses::Arrival), classes)?,
+        viewpoint: viewpoint.viewpoint(&model.0)?,
+        true_classes: true_classes.map_or(Ok(TrueClasses::Arrival), |value| classes(&model.0, value))?,
         max_looks: count("max_looks", max_looks)?,
         reference: reference.map(|reference| Arc::clone(&reference.solution)),
     };
@@ -147,11 +150,14 @@ pub fn evaluate(
     Ok(PyEvaluation { evaluation, bins, classes, drawn_from_model, with_bonuses })
 }
 
-/// A list of labels to draw from, or an array with a row per batch.
-fn classes(value: &Bound<'_, PyAny>) -> PyResult<TrueClasses> {
-    if let Ok(labels) = value.extract::<Vec<Whole>>() {
-        let to_class = |label: &Whole| index("true class", *label).map(Class);
-        return Ok(TrueClasses::UniformlyFrom(labels.iter().map(to_class).collect::<PyResult<_>>()?));
+/// A list of classes to draw from, or an array with a row per batch.
+fn classes(model: &SortingModel, value: &Bound<'_, PyAny>) -> PyResult<TrueClasses> {
+    if let Ok(classes) = value.extract::<Vec<Named>>() {
+        let classes = classes.iter().map(|class| class.class(model)).collect::<PyResult<_>>()?;
+        return Ok(TrueClasses::UniformlyFrom(classes));
+    }
+    if let Some(rows) = rows_of_classes(model, value)? {
+        return Ok(TrueClasses::Given(rows));
     }
     convert::classes("true_classes", value).map(TrueClasses::Given).map_err(|reason| {
         ArgumentError::new_err(format!(

@@ -6,6 +6,8 @@ use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::convert::{from_json, to_json};
+use crate::display::{displayed, immutable};
 use crate::errors::ArgumentError;
 
 /// Outcomes of simulated batches: arrays of shape (batches,), in the order of the batches.
@@ -29,15 +31,17 @@ impl PyEvaluation {
         self.evaluation.steps.clone().into_pyarray(py)
     }
 
-    /// Right decisions, that is into a bin than which none is worth more for the object's class; uint64, at most
-    /// `batch_size`.
+    /// Right decisions; uint64, at most `batch_size`.
+    ///
+    /// A decision is right if no bin is worth more for the object's class.
     #[getter]
     fn correct<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         self.evaluation.correct.clone().into_pyarray(py)
     }
 
-    /// Objects by bin and true class, uint64 of shape (batches, B, L), ``[batch, bin, class]``: the confusion
-    /// matrices of the decisions.
+    /// Confusion matrices of the decisions, uint64 of shape (batches, B, L), ``[batch, bin, class]``.
+    ///
+    /// Objects by bin and true class.
     #[getter]
     fn confusion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<u64>> {
         let shape = (self.evaluation.confusion.len(), self.bins, self.classes);
@@ -84,8 +88,9 @@ impl PyEvaluation {
         Ok(self.evaluation.expected_discounted_returns.clone().into_pyarray(py))
     }
 
-    /// Sum of the bonuses for information, `information_gain` times the expected entropy reduction of each scan;
-    /// float64. No other property contains them.
+    /// Sum of the bonuses for information; float64. No other property contains them.
+    ///
+    /// A bonus is `information_gain` times the expected entropy reduction of a scan.
     #[getter]
     fn bonuses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.evaluation.bonuses.clone().into_pyarray(py)
@@ -108,8 +113,10 @@ impl PyEvaluation {
         referred(py, &self.evaluation.regrets)
     }
 
-    /// Sum of discounted regrets; float64. Over batches so long that nothing is left behind them, its mean is
-    /// what the policy's value falls short of the reference's.
+    /// Sum of discounted regrets; float64.
+    ///
+    /// Over batches so long that nothing is left behind them, its mean is what the policy's value falls short
+    /// of the reference's.
     ///
     /// Raises
     /// ------
@@ -120,7 +127,7 @@ impl PyEvaluation {
         referred(py, &self.evaluation.discounted_regrets)
     }
 
-    /// Mean and standard error over the batches of every outcome.
+    /// Return mean and standard error over the batches of every outcome.
     ///
     /// Returns
     /// -------
@@ -138,7 +145,42 @@ impl PyEvaluation {
         }
         Ok(summary)
     }
+
+    /// Return the outcomes as a table with a row per batch.
+    ///
+    /// Returns
+    /// -------
+    /// pandas.DataFrame
+    ///     The columns are the properties that `summary` lists, the index is the number of the batch.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     If pandas is not installed.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("beltsort.planning.frames")?.call_method1("evaluation_frame", (slf,))
+    }
+
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String, usize, usize, bool, bool))> {
+        let restored = py.get_type::<Self>().getattr("_restored")?.unbind();
+        let outcomes = to_json(&self.evaluation)?;
+        Ok((restored, (outcomes, self.bins, self.classes, self.drawn_from_model, self.with_bonuses)))
+    }
+
+    #[staticmethod]
+    fn _restored(
+        outcomes: &str,
+        bins: usize,
+        classes: usize,
+        drawn_from_model: bool,
+        with_bonuses: bool,
+    ) -> PyResult<Self> {
+        Ok(Self { evaluation: from_json(outcomes)?, bins, classes, drawn_from_model, with_bonuses })
+    }
 }
+
+displayed!(PyEvaluation);
+immutable!(PyEvaluation);
 
 /// Outcomes that only a reference gives.
 fn referred<'py>(py: Python<'py>, regrets: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {

@@ -1,18 +1,16 @@
-//! `SortingModel`.
+//! `SortingModel`: constructor, files, changed models. What the model consists of is in `parts`.
+
+mod parts;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use beltsort_core::{
-    Bin, Class, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Kind, ModelSpec, Position, Smoothing,
-    SortingModel, Viewpoint,
-};
-use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4};
+use beltsort_core::{DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, SortingModel};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{self, Whole, count, read_only, scalar_or_matrix, tables};
+use crate::convert::{self, Whole, count, scalar_or_matrix, tables};
+use crate::display::{displayed, immutable};
 use crate::errors::{ModelError, to_python};
 
 #[doc = include_str!("model.txt")]
@@ -139,7 +137,7 @@ impl PySortingModel {
         Self::checked(ModelSpec::from_json(text).map_err(to_python)?)
     }
 
-    /// The model file as text, JSON.
+    /// Return the model file as text, JSON.
     fn to_json(&self) -> PyResult<String> {
         self.0.spec().to_json().map_err(to_python)
     }
@@ -162,11 +160,11 @@ impl PySortingModel {
     /// Write the model as a flat POMDP in Cassandra's format, which other solvers read.
     ///
     /// A state is the class (with its mode) at every position, with the viewpoint in front unless all
-    /// viewpoints are alike in legal moves and their costs and no scan follows a decision: N^H or K N^H states.
-    /// The actions are the K moves and B decisions; the observations are the Z^H label vectors, and
+    /// viewpoints are alike in legal moves and their costs and no scan follows a decision: N^H or K N^H
+    /// states. The actions are the K moves and B decisions; the observations are the Z^H label vectors, and
     /// ``nothing`` after a decision that no scan follows. Such a file has no forbidden actions: a move that
-    /// `travel` forbids costs (r_max + r_min) / (1 - discount), so that it never pays. The
-    /// camera starts at viewpoint 0.
+    /// `travel` forbids costs (r_max + r_min) / (1 - discount), so that it never pays. The camera starts at
+    /// viewpoint 0.
     ///
     /// Parameters
     /// ----------
@@ -176,8 +174,8 @@ impl PySortingModel {
     /// Raises
     /// ------
     /// ModelError
-    ///     For more than two million pairs of state and observation, for `repeat` or `information_gain` above 0
-    ///     (such states hold no labels, such rewards no beliefs), or if the file cannot be written.
+    ///     For more than two million pairs of state and observation, for `repeat` or `information_gain` above
+    ///     0 (such states hold no labels, such rewards no beliefs), or if the file cannot be written.
     ///
     /// References
     /// ----------
@@ -186,154 +184,7 @@ impl PySortingModel {
         py.detach(|| self.0.to_pomdp(&path)).map_err(to_python)
     }
 
-    /// Names of the classes, list of length L.
-    #[getter]
-    fn classes(&self) -> Vec<String> {
-        self.0.spec().classes.clone()
-    }
-
-    /// Names of the viewpoints, list of length K.
-    #[getter]
-    fn viewpoints(&self) -> Vec<String> {
-        self.0.spec().viewpoints.clone()
-    }
-
-    /// H, the number of belt positions that one scan sees.
-    #[getter]
-    fn positions(&self) -> usize {
-        self.0.position_count()
-    }
-
-    /// Names of the labels that one look may yield, list of length Z; the classes unless `labels` was given.
-    #[getter]
-    fn labels(&self) -> Vec<String> {
-        self.0.label_names().to_vec()
-    }
-
-    /// Names of the bins that a decision chooses from, list of length B; the classes unless `bins` was given.
-    #[getter]
-    fn bins(&self) -> Vec<String> {
-        self.0.bin_names().to_vec()
-    }
-
-    /// Worth of putting class c into bin b, float64 of shape (B, L), ``[bin, class]``; without `reward` it follows
-    /// from `r_max` and `r_min`.
-    #[getter]
-    fn reward<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        let kind = |class| Kind(self.0.kinds_of(Class(class)).start);
-        let shape = (self.0.bin_count(), self.0.class_count());
-        Array2::from_shape_fn(shape, |(b, c)| self.0.reward(Bin(b), kind(c))).into_pyarray(py)
-    }
-
-    /// Weights of the modes of each class, a list per class; each sums to 1.
-    #[getter]
-    fn modes(&self) -> Vec<Vec<f64>> {
-        let weights = |class| self.0.kinds_of(class).map(|kind| self.0.mode_weight(Kind(kind))).collect();
-        self.0.classes().map(weights).collect()
-    }
-
-    /// Observation tables as given, read-only float64 of shape (H, K, N, Z); N and Z are L unless the model has
-    /// `modes` or `labels`.
-    #[getter]
-    fn p_obs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f64>>> {
-        read_only(py, &self.0.spec().p_obs)
-    }
-
-    /// The label counts behind `p_obs`, read-only uint64 of shape (H, K, N, Z), or None.
-    #[getter]
-    fn counts<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray4<u64>>>> {
-        self.0.spec().counts.as_ref().map(|counts| read_only(py, counts)).transpose()
-    }
-
-    /// Reward of a right decision; of a model with `reward` its largest entry.
-    #[getter]
-    fn r_max(&self) -> f64 {
-        self.0.most_reward()
-    }
-
-    /// Penalty of a wrong decision, above 0; of a model with `reward` its smallest entry, with the other sign.
-    #[getter]
-    fn r_min(&self) -> f64 {
-        -self.0.least_reward()
-    }
-
-    /// `gamma`, per planner step.
-    #[getter]
-    fn discount(&self) -> f64 {
-        self.0.discount()
-    }
-
-    /// The pseudo-counts that were added to `counts`: a number, read-only float64 of shape (H, K, N, Z), or None.
-    #[getter]
-    fn smoothing<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let value = |smoothing: &Smoothing| match smoothing {
-            Smoothing::Scalar(number) => Ok(number.into_pyobject(py)?.into_any()),
-            Smoothing::Tables(tables) => read_only(py, tables).map(Bound::into_any),
-        };
-        self.0.spec().smoothing.as_ref().map(value).transpose()
-    }
-
-    /// Free text.
-    #[getter]
-    fn note(&self) -> &str {
-        &self.0.spec().note
-    }
-
-    /// Prior of the class of an arriving object, float64 of shape (L,); sums to 1.
-    #[getter]
-    fn arrival<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.0.class_probabilities(self.0.arrival().as_slice()).collect::<Vec<_>>().into_pyarray(py)
-    }
-
-    /// Cost of each move, float64 of shape (K, K), ``[start, end]``.
-    #[getter]
-    fn motion_cost<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        let k = self.0.viewpoint_count();
-        Array2::from_shape_fn((k, k), |(from, to)| self.0.motion_cost(Viewpoint(from), Viewpoint(to)))
-            .into_pyarray(py)
-    }
-
-    /// The viewpoints that one move reaches, one ascending list per viewpoint.
-    #[getter]
-    fn travel(&self) -> Vec<Vec<usize>> {
-        let reached = |from| self.0.legal_moves(from).iter().map(|to| to.0).collect();
-        self.0.viewpoints().map(reached).collect()
-    }
-
-    /// Whether a scan follows each decision.
-    #[getter]
-    fn observe_after_decision(&self) -> bool {
-        self.0.observes_after_decision()
-    }
-
-    /// Probability that a second look only repeats the last label, float64 of shape (H, K).
-    #[getter]
-    fn repeat<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        let shape = (self.0.position_count(), self.0.viewpoint_count());
-        Array2::from_shape_fn(shape, |(j, v)| self.0.repeat(Position(j), Viewpoint(v))).into_pyarray(py)
-    }
-
-    /// `alpha`, reward per nat of entropy that a scan is expected to remove.
-    #[getter]
-    fn information_gain(&self) -> f64 {
-        self.0.spec().information_gain
-    }
-
-    /// The class that stands for an empty cup, or None.
-    #[getter]
-    fn empty(&self) -> Option<&str> {
-        self.0.spec().empty.as_deref()
-    }
-
-    /// How perception makes a label of what a classifier returns, a new dict, or None. Kept beside the tables that
-    /// were counted with it; planning does not use it.
-    #[getter]
-    fn label_rule<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let read = |rule: &serde_json::Value| py.import("json")?.call_method1("loads", (rule.to_string(),));
-        self.0.spec().label_rule.as_ref().map(read).transpose()
-    }
-
-    /// The same model with the first belt positions only.
+    /// Return the same model with the first belt positions only.
     ///
     /// Parameters
     /// ----------
@@ -354,13 +205,13 @@ impl PySortingModel {
         Ok(Self(Arc::new(self.0.with_positions(positions).map_err(to_python)?)))
     }
 
-    /// The same model with other settings.
+    /// Return the same model with other settings.
     ///
     /// Parameters
     /// ----------
     /// **changes
-    ///     Parameters of the constructor. A new `p_obs` comes without the `counts` and `smoothing` of the old one
-    ///     unless they are given too.
+    ///     Parameters of the constructor. A new `p_obs` comes without the `counts` and `smoothing` of the old
+    ///     one unless they are given too.
     ///
     /// Returns
     /// -------
@@ -396,21 +247,11 @@ impl PySortingModel {
         py.get_type::<Self>().call((), Some(&settings))
     }
 
-    fn __repr__(&self) -> String {
-        let spec = self.0.spec();
-        format!(
-            "SortingModel(classes={:?}, viewpoints={:?}, positions={}, r_max={}, r_min={}, discount={})",
-            spec.classes,
-            spec.viewpoints,
-            self.0.position_count(),
-            self.0.most_reward(),
-            -self.0.least_reward(),
-            spec.discount
-        )
-    }
-
     fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String,))> {
         let from_json = py.get_type::<Self>().getattr("from_json")?.unbind();
         Ok((from_json, (self.to_json()?,)))
     }
 }
+
+displayed!(PySortingModel);
+immutable!(PySortingModel);

@@ -7,12 +7,15 @@ use beltsort_core::{
     Threshold,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::actions;
 use crate::belief::PyBelief;
 use crate::convert::{self, Whole, count};
+use crate::display::{displayed, immutable};
 use crate::errors::{ArgumentError, to_python};
 use crate::model::PySortingModel;
+use crate::names::Named;
 
 /// Positions whose information counts, if not given.
 pub const DEFAULT_INFORMATION_POSITIONS: usize = 1;
@@ -22,19 +25,19 @@ pub const DEFAULT_LOOK_AHEAD_DEPTH: usize = 1;
 /// Look from one viewpoint until the best decision is likely enough to be right.
 ///
 /// The best decision is the one with the largest expected reward; it is right if no bin is worth more for the
-/// object's class. Where the bins are the classes, it is the most likely class. A manual bin, which is right for
-/// no class, is never chosen while a move is legal.
+/// object's class. Where the bins are the classes, it is the most likely class. A manual bin, which is right
+/// for no class, is never chosen while a move is legal.
 ///
 /// Parameters
 /// ----------
 /// model : SortingModel
 ///     The problem.
 /// threshold : float
-///     Decide once the best decision at the belt end is right with this probability, above 0 and at most 1. Too
-///     near 1, and no decision may ever be reached: `max_looks` of `evaluate` then forces one.
-/// viewpoint : int, optional
-///     Index of the viewpoint to look from, reached by the fewest moves; if missing, the one whose scan tells
-///     most about an object that has just arrived.
+///     Decide once the best decision at the belt end is right with this probability, above 0 and at most 1.
+///     Too near 1, and no decision may ever be reached: `max_looks` of `evaluate` then forces one.
+/// viewpoint : int or str, optional
+///     Index or name of the viewpoint to look from, reached by the fewest moves; if missing, the one whose
+///     scan tells most about an object that has just arrived.
 ///
 /// Raises
 /// ------
@@ -52,16 +55,19 @@ pub const DEFAULT_LOOK_AHEAD_DEPTH: usize = 1;
 pub struct PyThreshold {
     pub policy: Threshold,
     pub model: Arc<SortingModel>,
+    threshold: f64,
+    viewpoint: Option<usize>,
 }
 
 #[pymethods]
 impl PyThreshold {
     #[new]
     #[pyo3(signature = (model, threshold, viewpoint=None))]
-    fn new(model: &PySortingModel, threshold: f64, viewpoint: Option<Whole>) -> PyResult<Self> {
-        let viewpoint = viewpoint.map(convert::viewpoint).transpose()?;
+    fn new(model: &PySortingModel, threshold: f64, viewpoint: Option<Named>) -> PyResult<Self> {
+        let viewpoint = viewpoint.map(|viewpoint| viewpoint.viewpoint(&model.0)).transpose()?;
         let policy = Threshold::new(&model.0, threshold, viewpoint).map_err(to_python)?;
-        Ok(Self { policy, model: Arc::clone(&model.0) })
+        let viewpoint = viewpoint.map(|viewpoint| viewpoint.0);
+        Ok(Self { policy, model: Arc::clone(&model.0), threshold, viewpoint })
     }
 
     /// Decide at the threshold, move below it.
@@ -70,8 +76,8 @@ impl PyThreshold {
     /// ----------
     /// belief : Belief
     ///     What is known of the objects; made for the policy's model, or an equal one.
-    /// viewpoint : int
-    ///     Where the camera stands.
+    /// viewpoint : int or str
+    ///     Where the camera stands: index or name.
     ///
     /// Returns
     /// -------
@@ -82,7 +88,7 @@ impl PyThreshold {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
         act(py, &self.policy, &self.model, &belief, viewpoint)
     }
 
@@ -91,9 +97,24 @@ impl PyThreshold {
     fn model(&self) -> PySortingModel {
         PySortingModel(Arc::clone(&self.model))
     }
+
+    /// What the policy was made with, as keywords of the constructor: threshold, viewpoint.
+    #[getter]
+    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let settings = PyDict::new(py);
+        settings.set_item("threshold", self.threshold)?;
+        settings.set_item("viewpoint", self.viewpoint)?;
+        Ok(settings)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((PySortingModel,), Bound<'py, PyDict>)> {
+        Ok(((self.model(),), self.settings(py)?))
+    }
 }
 
-/// Look from where most is learnt until the best decision is likely enough to be right, as for `Threshold`.
+/// Look from where most is learnt until the best decision is likely enough to be right.
+///
+/// Decisions are those of `Threshold`.
 ///
 /// Parameters
 /// ----------
@@ -102,8 +123,8 @@ impl PyThreshold {
 /// threshold : float
 ///     As for `Threshold`.
 /// positions : int, default 1
-///     The gain of a look is the expected drop of an entropy, summed over this many positions from the belt end,
-///     1 to H. With many, objects far from their decision outvote the one at the belt end.
+///     The gain of a look is the expected drop of an entropy, summed over this many positions from the belt
+///     end, 1 to H. With many, objects far from their decision outvote the one at the belt end.
 /// about : {"class", "bin"}, default "class"
 ///     What the entropy is of: the object's class, or the bin where it belongs, so that classes with the same
 ///     right bins are not told apart. In the paper's model both are the same.
@@ -124,6 +145,9 @@ impl PyThreshold {
 pub struct PyInformationGain {
     pub policy: InformationGain,
     pub model: Arc<SortingModel>,
+    threshold: f64,
+    positions: usize,
+    about: String,
 }
 
 #[pymethods]
@@ -142,7 +166,7 @@ impl PyInformationGain {
             }
         };
         let policy = InformationGain::new(&model.0, threshold, positions, question).map_err(to_python)?;
-        Ok(Self { policy, model: Arc::clone(&model.0) })
+        Ok(Self { policy, model: Arc::clone(&model.0), threshold, positions, about: about.into() })
     }
 
     /// Decide at the threshold, move below it.
@@ -151,8 +175,8 @@ impl PyInformationGain {
     /// ----------
     /// belief : Belief
     ///     What is known of the objects; made for the policy's model, or an equal one.
-    /// viewpoint : int
-    ///     Where the camera stands.
+    /// viewpoint : int or str
+    ///     Where the camera stands: index or name.
     ///
     /// Returns
     /// -------
@@ -163,7 +187,7 @@ impl PyInformationGain {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
         act(py, &self.policy, &self.model, &belief, viewpoint)
     }
 
@@ -171,6 +195,20 @@ impl PyInformationGain {
     #[getter]
     fn model(&self) -> PySortingModel {
         PySortingModel(Arc::clone(&self.model))
+    }
+
+    /// What the policy was made with, as keywords of the constructor: threshold, positions, about.
+    #[getter]
+    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let settings = PyDict::new(py);
+        settings.set_item("threshold", self.threshold)?;
+        settings.set_item("positions", self.positions)?;
+        settings.set_item("about", &self.about)?;
+        Ok(settings)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((PySortingModel,), Bound<'py, PyDict>)> {
+        Ok(((self.model(),), self.settings(py)?))
     }
 }
 
@@ -208,14 +246,14 @@ impl PyOneObject {
         Self { policy: py.detach(|| OneObject::new(&model.0)), model: Arc::clone(&model.0) }
     }
 
-    /// The first action of the best plan.
+    /// Return the first action of the best plan.
     ///
     /// Parameters
     /// ----------
     /// belief : Belief
     ///     What is known of the objects; made for the policy's model, or an equal one.
-    /// viewpoint : int
-    ///     Where the camera stands.
+    /// viewpoint : int or str
+    ///     Where the camera stands: index or name.
     ///
     /// Returns
     /// -------
@@ -226,7 +264,7 @@ impl PyOneObject {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
         act(py, &self.policy, &self.model, &belief, viewpoint)
     }
 
@@ -235,11 +273,16 @@ impl PyOneObject {
     fn model(&self) -> PySortingModel {
         PySortingModel(Arc::clone(&self.model))
     }
+
+    fn __getnewargs__(&self) -> (PySortingModel,) {
+        (self.model(),)
+    }
 }
 
 /// Compare all actions a fixed number of steps ahead, with the leaf values of `Despot`.
 ///
-/// A baseline for the search: no trials, no bounds. Labels that no scenario gives follow the one-object policy.
+/// A baseline for the search: no trials, no bounds. Labels that no scenario gives follow the one-object
+/// policy.
 ///
 /// Parameters
 /// ----------
@@ -267,6 +310,8 @@ impl PyOneObject {
 pub struct PyLookAhead {
     pub policy: LookAhead,
     pub model: Arc<SortingModel>,
+    depth: usize,
+    config: DespotConfig,
 }
 
 #[pymethods]
@@ -283,17 +328,17 @@ impl PyLookAhead {
         let (depth, scenarios) = (count("depth", depth)?, count("scenarios", scenarios)?);
         let config = DespotConfig { scenarios, seed: convert::seed(seed)?, ..DespotConfig::default() };
         let policy = py.detach(|| LookAhead::new(&model.0, depth, config)).map_err(to_python)?;
-        Ok(Self { policy, model: Arc::clone(&model.0) })
+        Ok(Self { policy, model: Arc::clone(&model.0), depth, config })
     }
 
-    /// The action with the highest value.
+    /// Return the action with the highest value.
     ///
     /// Parameters
     /// ----------
     /// belief : Belief
     ///     What is known of the objects; made for the policy's model, or an equal one.
-    /// viewpoint : int
-    ///     Where the camera stands.
+    /// viewpoint : int or str
+    ///     Where the camera stands: index or name.
     ///
     /// Returns
     /// -------
@@ -304,7 +349,7 @@ impl PyLookAhead {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
         act(py, &self.policy, &self.model, &belief, viewpoint)
     }
 
@@ -313,16 +358,33 @@ impl PyLookAhead {
     fn model(&self) -> PySortingModel {
         PySortingModel(Arc::clone(&self.model))
     }
+
+    /// What the policy was made with, as keywords of the constructor: depth, scenarios, seed.
+    #[getter]
+    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let settings = PyDict::new(py);
+        settings.set_item("depth", self.depth)?;
+        settings.set_item("scenarios", self.config.scenarios)?;
+        settings.set_item("seed", self.config.seed)?;
+        Ok(settings)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((PySortingModel,), Bound<'py, PyDict>)> {
+        Ok(((self.model(),), self.settings(py)?))
+    }
 }
+
+displayed!(PyThreshold, PyInformationGain, PyOneObject, PyLookAhead);
+immutable!(PyThreshold, PyInformationGain, PyOneObject, PyLookAhead);
 
 fn act(
     py: Python<'_>,
     policy: &dyn Policy,
     model: &Arc<SortingModel>,
     belief: &PyBelief,
-    viewpoint: Whole,
+    viewpoint: Named,
 ) -> PyResult<Py<PyAny>> {
     belief.check_is_of(model)?;
-    let action = policy.act(&belief.belief, convert::viewpoint(viewpoint)?).map_err(to_python)?;
+    let action = policy.act(&belief.belief, viewpoint.viewpoint(model)?).map_err(to_python)?;
     actions::to_python(py, action)
 }

@@ -6,31 +6,40 @@ use std::sync::{Arc, Mutex};
 
 use beltsort_core::{DEFAULT_SOLVE_SECONDS, Policy, Solution, SortingModel};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::actions;
 use crate::belief::PyBelief;
 use crate::budget::time;
-use crate::convert::{self, Whole};
+use crate::display::{displayed, immutable};
 use crate::errors::to_python;
 use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
+use crate::names::Named;
 
 /// Certified bounds of the optimal value, and a policy: what `solve` returns.
 ///
 /// References
 /// ----------
-/// Upper bound: value iteration on a grid of beliefs, convex in the belief about each object (Lovejoy, Operations
-/// Research 39, 1991). Search and lower bound: a graph of the beliefs reached, whose policy is valued exactly, as
-/// finite-state controllers are (Hansen, UAI 1998).
+/// Upper bound: value iteration on a grid of beliefs, convex in the belief about each object (Lovejoy,
+/// Operations Research 39, 1991). Search and lower bound: a graph of the beliefs reached, whose policy is
+/// valued exactly, as finite-state controllers are (Hansen, UAI 1998).
 #[pyclass(frozen, name = "Solution", module = "beltsort")]
 pub struct PySolution {
     pub solution: Arc<Solution>,
-    model: Arc<SortingModel>,
+    pub model: Arc<SortingModel>,
+}
+
+impl PySolution {
+    fn new(solution: Solution) -> Self {
+        let model = Arc::new(solution.model().clone());
+        Self { solution: Arc::new(solution), model }
+    }
 }
 
 #[pymethods]
 impl PySolution {
-    /// Lower bound of V*(b0), b0 the arrival prior at every position: the value of an executable policy.
+    /// Lower bound of V*(b0), the value of an executable policy; b0 is the arrival prior everywhere.
     #[getter]
     fn lower(&self) -> f64 {
         self.solution.lower
@@ -54,8 +63,9 @@ impl PySolution {
         PySortingModel(Arc::clone(&self.model))
     }
 
-    /// Whether it tells what single actions lose, as `evaluate` needs of a reference: for one or two positions whose
-    /// viewpoints all have the same moves at the same costs.
+    /// Whether it tells what single actions lose, as `evaluate` needs of a reference.
+    ///
+    /// It does for one or two positions whose viewpoints all have the same moves at the same costs.
     #[getter]
     fn values_actions(&self) -> bool {
         self.solution.values_actions()
@@ -76,14 +86,16 @@ impl PySolution {
         self.solution.check_solves(&model.0).map_err(to_python)
     }
 
-    /// Bounds of V* at any belief; at the arrival prior they are those of the search, elsewhere wider.
+    /// Return bounds of V* at any belief.
+    ///
+    /// At the arrival prior they are those of the search, elsewhere wider.
     ///
     /// Parameters
     /// ----------
     /// belief : Belief
     ///     What is known of the objects.
-    /// viewpoint : int
-    ///     Where the camera stands.
+    /// viewpoint : int or str
+    ///     Where the camera stands: index or name.
     ///
     /// Returns
     /// -------
@@ -94,20 +106,20 @@ impl PySolution {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    #[pyo3(signature = (belief, viewpoint=0))]
-    fn bounds(&self, belief: PyBelief, viewpoint: Whole) -> PyResult<(f64, f64)> {
+    #[pyo3(signature = (belief, viewpoint=Named::Index(0)), text_signature = "($self, belief, viewpoint=0)")]
+    fn bounds(&self, belief: PyBelief, viewpoint: Named) -> PyResult<(f64, f64)> {
         belief.check_is_of(&self.model)?;
-        self.solution.bounds(&belief.belief, convert::viewpoint(viewpoint)?).map_err(to_python)
+        self.solution.bounds(&belief.belief, viewpoint.viewpoint(&self.model)?).map_err(to_python)
     }
 
-    /// The action that is best one exact step ahead of the upper bound: a solution is a policy.
+    /// Return the action that is best one exact step ahead of the upper bound: a solution is a policy.
     ///
     /// Parameters
     /// ----------
     /// belief : Belief
     ///     What is known of the objects.
-    /// viewpoint : int
-    ///     Where the camera stands.
+    /// viewpoint : int or str
+    ///     Where the camera stands: index or name.
     ///
     /// Returns
     /// -------
@@ -118,9 +130,9 @@ impl PySolution {
     /// ------
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Whole) -> PyResult<Py<PyAny>> {
+    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
         belief.check_is_of(&self.model)?;
-        let viewpoint = convert::viewpoint(viewpoint)?;
+        let viewpoint = viewpoint.viewpoint(&self.model)?;
         let action = py.detach(|| self.solution.act(&belief.belief, viewpoint)).map_err(to_python)?;
         actions::to_python(py, action)
     }
@@ -173,14 +185,23 @@ impl PySolution {
     fn load(py: Python<'_>, path: PathBuf, model: Option<&PySortingModel>) -> PyResult<Self> {
         let given = model.map(|model| &*model.0);
         let solution = py.detach(|| Solution::load(&path, given)).map_err(to_python)?;
-        let model = Arc::new(solution.model().clone());
-        Ok(Self { solution: Arc::new(solution), model })
+        Ok(Self::new(solution))
     }
 
-    fn __repr__(&self) -> String {
-        format!("Solution(lower={:.4}, upper={:.4})", self.solution.lower, self.solution.upper)
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let restored = py.get_type::<Self>().getattr("_restored")?;
+        let content = py.detach(|| self.solution.to_bytes()).map_err(to_python)?;
+        Ok((restored, (PyBytes::new(py, &content),)))
+    }
+
+    #[staticmethod]
+    fn _restored(py: Python<'_>, content: &[u8]) -> PyResult<Self> {
+        py.detach(|| Solution::from_bytes(content)).map(Self::new).map_err(to_python)
     }
 }
+
+displayed!(PySolution);
+immutable!(PySolution);
 
 /// Solve a model offline, with a certificate: ``lower <= V*(b0) <= upper``.
 ///

@@ -3,6 +3,7 @@
 use super::SortingModel;
 use crate::error::{Result, argument_error};
 use crate::index::{Bin, Class, Kind, Label, Position, Viewpoint};
+use crate::names::index_of;
 
 impl SortingModel {
     /// H, the number of belt positions seen at once.
@@ -143,6 +144,30 @@ impl SortingModel {
     /// [`crate::Error::Argument`] naming the valid range.
     pub fn check_label(&self, label: Label) -> Result<()> {
         check_named("label", label.0, self.label_names())
+    }
+
+    /// The viewpoint of a name.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] naming the nearest viewpoint, and all.
+    pub fn viewpoint_named(&self, name: &str) -> Result<Viewpoint> {
+        index_of("viewpoint", name, &self.spec.viewpoints).map(Viewpoint)
+    }
+
+    /// The class of a name.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] naming the nearest class, and all.
+    pub fn class_named(&self, name: &str) -> Result<Class> {
+        index_of("class", name, &self.spec.classes).map(Class)
+    }
+
+    /// The label of a name.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] naming the nearest label, and all.
+    pub fn label_named(&self, name: &str) -> Result<Label> {
+        index_of("label", name, self.label_names()).map(Label)
     }
 
     /// The name of a viewpoint, which must exist.

@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, model_error};
+use crate::names::nearest;
 
 /// A number for all entries, or a matrix of one number each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -253,10 +254,6 @@ impl ModelSpec {
 }
 
 fn unknown_key(key: &str) -> String {
-    let nearest =
-        KEYS.iter().max_by(|a, b| strsim::jaro(key, a).total_cmp(&strsim::jaro(key, b))).unwrap_or(&"note");
-    format!(
-        "unknown key {key:?} in the model file; did you mean {nearest:?}? Known keys: {}",
-        KEYS.join(", ")
-    )
+    let guess = nearest(key, KEYS.iter().copied()).unwrap_or_default();
+    format!("unknown key {key:?} in the model file; did you mean {guess:?}? Known keys: {}", KEYS.join(", "))
 }

@@ -76,7 +76,11 @@ impl Solution {
         Ok(solution)
     }
 
-    fn to_bytes(&self) -> serde_json::Result<Vec<u8>> {
+    /// The content of the file that [`Solution::save`] writes.
+    ///
+    /// # Errors
+    /// If the header cannot be written as JSON.
+    pub fn to_bytes(&self) -> Result<Vec<u8>> {
         let (grid, alphas) = (self.leaves.grid.as_deref(), self.leaves.alphas.as_ref());
         let header = Header {
             model: self.model.spec().clone(),
@@ -87,7 +91,9 @@ impl Solution {
             prices: self.leaves.prices.as_ref().map(|prices| prices.to_saved()),
             policies: alphas.map_or(0, |alphas| alphas.0.nrows()),
         };
-        let mut bytes = format!("{FORMAT}{VERSION}\n{}\n", serde_json::to_string(&header)?).into_bytes();
+        let header = serde_json::to_string(&header)
+            .map_err(|e| Error::Argument(format!("the solution's header is no JSON: {e}")))?;
+        let mut bytes = format!("{FORMAT}{VERSION}\n{header}\n").into_bytes();
         bytes.extend(grid.iter().flat_map(|grid| &grid.values).flat_map(|value| value.to_le_bytes()));
         let rows = alphas.iter().flat_map(|alphas| alphas.0.row_iter());
         for row in rows {
@@ -99,7 +105,11 @@ impl Solution {
         Ok(bytes)
     }
 
-    fn from_bytes(bytes: &[u8]) -> Result<Self> {
+    /// The solution of such a content.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] as [`Solution::load`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let (header, payload) = opened(bytes)?;
         let model = SortingModel::new(header.model)?;
         let states = joint_kinds(&model);

@@ -1,9 +1,11 @@
 //! What a simulation brought, and its statistics.
 
+use serde::{Deserialize, Serialize};
+
 use crate::model::SortingModel;
 
 /// Outcomes, one entry per batch.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// Moves and decisions.
     pub steps: Vec<u64>,

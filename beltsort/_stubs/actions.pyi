@@ -1,0 +1,70 @@
+from typing import Final, final
+
+@final
+class Move:
+    """`m_k`: move the camera to a viewpoint and scan once.
+
+    Parameters
+    ----------
+    viewpoint : int
+        Index of the viewpoint. Whether the model has it, and whether a move may reach it, is checked where
+        the action is used.
+
+    Raises
+    ------
+    ArgumentError
+        If the index is negative.
+
+    Examples
+    --------
+    >>> import beltsort
+    >>> beltsort.Move(2)
+    Move(viewpoint=2)
+    >>> match beltsort.Move(2):
+    ...     case beltsort.Move(viewpoint):
+    ...         viewpoint
+    2
+    """
+
+    __match_args__: Final = ("viewpoint",)
+    def __new__(cls, viewpoint: int) -> Move: ...
+    @property
+    def viewpoint(self) -> int:
+        """Index of the viewpoint."""
+    def __eq__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[int]: ...
+
+@final
+class Decide:
+    """`d_i`: sort the object at the belt end into a bin; the belt advances by one position.
+
+    Parameters
+    ----------
+    label : int
+        Index of the bin: that of the class, unless the model has `bins`. Whether the model has it is checked
+        where the action is used.
+
+    Raises
+    ------
+    ArgumentError
+        If the index is negative.
+
+    Examples
+    --------
+    >>> import beltsort
+    >>> beltsort.Decide(1) == beltsort.Decide(label=1)
+    True
+    """
+
+    __match_args__: Final = ("label",)
+    def __new__(cls, label: int) -> Decide: ...
+    @property
+    def label(self) -> int:
+        """Index of the bin."""
+    @property
+    def bin(self) -> int:
+        """Index of the bin, the same as `label`."""
+    def __eq__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[int]: ...
