@@ -28,7 +28,8 @@ from beltsort._core import (
     evaluate,
     solve,
 )
-from beltsort.planning.comparison import Comparison, compare
+from beltsort.planning.compare import compare
+from beltsort.planning.comparison import Comparison
 from beltsort.planning.policy import Policy
 
 __all__ = [

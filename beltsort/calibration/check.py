@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from beltsort.calibration.reliability import Reliability, reliability
 from beltsort.calibration.sorted_runs import RUN_LENGTH, SortedRun, decision_pairs, step_pairs
-from beltsort.planning.comparison import Difference
+from beltsort.planning.difference import Difference
 from beltsort.util.text import numbers_or_none
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from beltsort.calibration.causes import Causes
 from beltsort.calibration.check import Arm
 from beltsort.calibration.promise import Promise
 from beltsort.calibration.reliability import Reliability
-from beltsort.planning.comparison import Difference
+from beltsort.planning.difference import Difference
 
 Rows = list[list[str]]
 

@@ -8,7 +8,7 @@ from beltsort import SortingModel
 from beltsort.calibration.check import Arm
 from beltsort.calibration.simulated_runs import simulate_runs
 from beltsort.calibration.sorted_runs import RUN_LENGTH
-from beltsort.planning.comparison import Difference
+from beltsort.planning.difference import Difference
 from beltsort.util.processes import Progress
 from beltsort.util.text import numbers_or_none
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from beltsort.calibration.check import Arm
     from beltsort.calibration.promise import Promise
     from beltsort.perception import Classifier
-    from beltsort.planning.comparison import Difference
+    from beltsort.planning.difference import Difference
 
 OBJECTS = 300
 LARGEST_ERROR = 0.03

@@ -1,60 +1,40 @@
 """Policies compared on the same objects."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from beltsort._core import (
-    DEFAULT_BATCH_SIZE,
-    DEFAULT_BATCHES,
-    DEFAULT_MAX_LOOKS,
     ArgumentError,
     Evaluation,
-    Solution,
     SortingModel,
-    evaluate,
 )
 from beltsort.planning.bins import SortingStatistics, bins_table, sorting_statistics, sorts_into_classes
-from beltsort.planning.loss_bound import LossBound, loss_bound, loss_bounds_table
-from beltsort.planning.policy import Policy
-from beltsort.util.text import numbers_or_none, text_table
+from beltsort.planning.difference import Difference, PairedStatistics, paired_difference
+from beltsort.planning.display.comparison import comparison_html, comparison_latex, comparison_text
+from beltsort.planning.display.comparison_plot import draw_differences
+from beltsort.planning.frames import comparison_frame
+from beltsort.planning.loss_bound import LossBound, loss_bounds_table
+from beltsort.util.text import numbers_or_none
 
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+RETURNS = ("expected_discounted_returns", "discounted_returns")
+"""What `Comparison.plot` shows if it is compared, the most precise first."""
 BINS = (
     "Bins, per batch (purity: share of a bin's objects that belong there; recovery: share of the objects\n"
     "that belong there which arrived there):"
 )
 
 
-@dataclass(frozen=True)
-class Difference:
-    """A mean difference over paired batches.
-
-    Attributes
-    ----------
-    mean
-        Sample mean of the differences.
-    standard_error
-        Standard error of that mean; NaN for a single batch.
-    """
-
-    mean: float
-    standard_error: float
-
-    @property
-    def z(self) -> float:
-        """The mean divided by its standard error; a magnitude above 2 is unlikely to be due to chance."""
-        if self.standard_error == 0:
-            return math.copysign(math.inf, self.mean) if self.mean else 0.0
-        return self.mean / self.standard_error
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """Policies evaluated on the same batches, and their differences; `str` returns a table.
+    """Policies evaluated on the same batches, and their differences; `repr` and `str` return a table.
 
     Attributes
     ----------
@@ -91,8 +71,8 @@ class Comparison:
         ArgumentError
             If the policy or the metric is unknown; the message lists the known ones.
         """
-        _check("policy", policy, list(self.evaluations))
-        _check("metric", metric, self.metrics)
+        check_known("policy", policy, list(self.evaluations))
+        check_known("metric", metric, self.metrics)
         return np.asarray(getattr(self.evaluations[policy], metric), dtype=np.float64)
 
     def difference(self, policy: str, metric: str, other: str | None = None) -> Difference:
@@ -118,10 +98,7 @@ class Comparison:
             If a policy or the metric is unknown; the message lists the known ones.
         """
         reference = self.outcomes(self.baseline if other is None else other, metric)
-        differences = self.outcomes(policy, metric) - reference
-        n = len(differences)
-        error = float(differences.std(ddof=1)) / math.sqrt(n) if n > 1 else math.nan
-        return Difference(float(differences.mean()), error)
+        return paired_difference(self.outcomes(policy, metric), reference)
 
     def summary(self) -> dict[str, dict[str, dict[str, float]]]:
         """Return mean and standard error of each metric, ``[policy][metric]``."""
@@ -164,147 +141,98 @@ class Comparison:
             "loss_bounds": {name: bound.to_dict() for name, bound in self.loss_bounds.items()},
         }
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Format means and paired differences as plain text, a row per metric; then bins, loss bounds."""
+        return "\n".join([comparison_text(self._statistics()), *self._remarks()])
+
+    def _repr_html_(self) -> str:
+        """Return HTML for notebooks."""
+        return comparison_html(self._statistics(), self._remarks())
+
+    def plot(self, metric: str | None = None, ax: "Axes | None" = None) -> "Axes":
+        """Draw the differences from the baseline, a row per policy, with 95 % confidence intervals.
+
+        Filled points differ significantly from the baseline, hollow ones do not: their intervals contain 0.
+
+        Parameters
+        ----------
+        metric
+            One of `metrics`; default the discounted return, expected or realised, or else the first metric.
+        ax
+            Where to draw, `matplotlib.axes.Axes`; default a new figure of pyplot.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            What was drawn on.
+
+        Raises
+        ------
+        ArgumentError
+            If the metric is unknown.
+        """
+        returns = [name for name in RETURNS if name in self.metrics]
+        chosen = metric or [*returns, *self.metrics][0]
+        check_known("metric", chosen, self.metrics)
+        return draw_differences(self._statistics(), chosen, ax)
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return means and differences as a table of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row per policy and metric, which are the levels of the index; the columns are `mean`,
+            `standard_error`, and of the difference from the baseline `difference`,
+            `difference_standard_error`, `z`. Differences of the baseline are NaN.
+
+        Raises
+        ------
+        ArgumentError
+            If pandas is not installed.
+        """
+        return comparison_frame(self._statistics())
+
+    def to_latex(self, metrics: Sequence[str] | None = None, *, label: str | None = None) -> str:
+        """Return means and standard errors as a LaTeX table for the package booktabs.
+
+        The caption tells how many batches there were and what is significant.
+
+        Parameters
+        ----------
+        metrics
+            The columns, some of `metrics`; default all.
+        label
+            Label to refer to the table by; default none.
+
+        Returns
+        -------
+        str
+            A `table` environment: a row per policy, a column per metric; an asterisk marks a significant
+            difference from the baseline (5 %, two-sided, paired by batch).
+
+        Raises
+        ------
+        ArgumentError
+            If a metric is unknown.
+        """
+        for metric in metrics or ():
+            check_known("metric", metric, self.metrics)
+        return comparison_latex(self._statistics(), metrics or self.metrics, label)
+
+    def _statistics(self) -> PairedStatistics:
         batches = len(self.evaluations[self.baseline].steps)
-        means = {
-            name: [f"{s['mean']:.3f} ± {s['standard_error']:.3f}" for s in summary.values()]
-            for name, summary in self.summary().items()
-        }
-        against = {
-            name: [f"{d.mean:+.3f} ± {d.standard_error:.3f} ({d.z:+.1f})" for d in differences.values()]
-            for name, differences in self.differences().items()
-        }
-        return "\n".join(
-            [
-                f"Per batch of {self.batch_size}, mean ± standard error over {batches}:",
-                self._table(means),
-                f"Minus {self.baseline} in the same batches, mean ± standard error (z):",
-                self._table(against),
-                *([] if sorts_into_classes(self.model) else [BINS, bins_table(self.sorting())]),
-                *([loss_bounds_table(self.loss_bounds)] if self.loss_bounds else []),
-            ]
+        return PairedStatistics(
+            self.baseline, self.metrics, batches, self.batch_size, self.summary(), self.differences()
         )
 
-    def _table(self, columns: Mapping[str, Sequence[str]]) -> str:
-        cells = zip(*columns.values(), strict=True)
-        rows = [[metric.replace("_", " "), *row] for metric, row in zip(self.metrics, cells, strict=True)]
-        return text_table([["", *columns], *rows])
+    def _remarks(self) -> list[str]:
+        """Return tables of bins and of loss bounds, where there are any."""
+        bins = [] if sorts_into_classes(self.model) else [f"{BINS}\n{bins_table(self.sorting())}"]
+        return [*bins, *([loss_bounds_table(self.loss_bounds)] if self.loss_bounds else [])]
 
 
-def compare(
-    model: SortingModel,
-    policies: Mapping[str, Policy],
-    *,
-    batches: int = DEFAULT_BATCHES,
-    batch_size: int = DEFAULT_BATCH_SIZE,
-    seed: int = 0,
-    threads: int | None = None,
-    viewpoint: int | str = 0,
-    true_classes: ArrayLike | None = None,
-    truth: SortingModel | None = None,
-    max_looks: int = DEFAULT_MAX_LOOKS,
-    reference: Solution | None = None,
-    belt_ends: bool = False,
-    baseline: str | None = None,
-    metrics: Sequence[str] | None = None,
-) -> Comparison:
-    """Evaluate policies on the same batches.
-
-    Random numbers are indexed by (batch, object, look), so that every policy gets the same objects. Paired
-    differences have much smaller standard errors than differences of means. Tune a baseline on other seeds
-    than those of the comparison.
-
-    Parameters
-    ----------
-    model, batches, batch_size, seed, threads, viewpoint, true_classes, truth, max_looks, belt_ends
-        As in `evaluate`.
-    reference
-        A solution of the model, of any size. With it, the comparison tells how much each policy loses at most
-        (`Comparison.loss_bounds`), on objects drawn from the model; make batches long enough for the rewards
-        after them not to count. If it values actions, regrets are compared as well, as in `evaluate`.
-    policies
-        At least two policies, by name.
-    baseline
-        Name of the policy that the others are compared with; default the first.
-    metrics
-        Names of properties of `Evaluation` to compare; default all that are unbiased. With many metrics, some
-        differ significantly by chance.
-
-    Returns
-    -------
-    Comparison
-        The evaluation of every policy, with means and paired differences.
-
-    Raises
-    ------
-    ArgumentError
-        If there are fewer than two policies, the baseline or a metric is unknown, the reference can bound
-        neither regrets nor losses, or `evaluate` rejects an argument.
-
-    Examples
-    --------
-    >>> import beltsort
-    >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
-    >>> policies = {f"threshold {t}": beltsort.Threshold(model, t) for t in (0.9, 0.99)}
-    >>> comparison = beltsort.compare(model, policies, batches=100, metrics=["steps", "correct"])
-    >>> comparison.difference("threshold 0.99", "correct").mean > 0
-    True
-    """
-    if len(policies) < 2:
-        raise ArgumentError(
-            f"{len(policies)} policies are given, expected at least two to compare; give more"
-        )
-    names = list(policies)
-    chosen = names[0] if baseline is None else baseline
-    _check("policy", chosen, names)
-    drawn_from_model = true_classes is None and (truth is None or truth == model)
-    if reference is not None:
-        _check_reference(reference, model, drawn_from_model, belt_ends)
-    evaluations = {
-        name: evaluate(
-            model,
-            policy,
-            batches=batches,
-            batch_size=batch_size,
-            seed=seed,
-            threads=threads,
-            viewpoint=viewpoint,
-            true_classes=true_classes,
-            truth=truth,
-            max_looks=max_looks,
-            reference=reference if reference is not None and reference.values_actions else None,
-            belt_ends=belt_ends,
-        )
-        for name, policy in policies.items()
-    }
-    unbiased = list(evaluations[chosen].summary())
-    compared = unbiased if metrics is None else list(metrics)
-    for metric in compared:
-        _check("metric", metric, unbiased)
-    losses = {}
-    if reference is not None and drawn_from_model:
-        losses = {name: loss_bound(result, reference, viewpoint) for name, result in evaluations.items()}
-    return Comparison(model, evaluations, chosen, tuple(compared), batch_size, seed, losses)
-
-
-def _check_reference(
-    reference: Solution, model: SortingModel, drawn_from_model: bool, belt_ends: bool
-) -> None:
-    reference.check_solves(model)
-    if belt_ends:
-        raise ArgumentError(
-            "a reference bounds the value of belts that never end, and belt_ends has policies plan for one "
-            "that does; leave one of them out"
-        )
-    if not reference.values_actions and not drawn_from_model:
-        raise ArgumentError(
-            "the reference is of a model with more than two positions, or with viewpoints that differ in "
-            "their moves: it only bounds losses on objects and labels drawn from the model; leave out "
-            "true_classes and truth, or the reference"
-        )
-
-
-def _check(what: str, name: str, names: Sequence[str]) -> None:
+def check_known(what: str, name: str, names: Sequence[str]) -> None:
+    """Refuse a name that is not one of those given."""
     if name not in names:
         raise ArgumentError(f"there is no {what} {name!r}, expected one of {', '.join(names)}; choose one")

@@ -18,7 +18,7 @@ from beltsort import (
     compare,
     evaluate,
 )
-from beltsort.planning.comparison import Difference
+from beltsort.planning.difference import Difference
 
 from .models import random_model
 from .policies import LookThenDecide

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from beltsort import Belief, Decide, Despot, Move, Policy, SortingModel, compare, evaluate
-from beltsort.planning.comparison import Comparison, Difference
+from beltsort.planning.comparison import Comparison
+from beltsort.planning.difference import Difference
 
 from .models import named
 from .policies import Recorded

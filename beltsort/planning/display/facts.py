@@ -78,6 +78,8 @@ def _counted(number: int, what: str) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
+    if any("," in name for name in names):
+        names = [f'"{name}"' for name in names]
     if len(names) <= MOST_NAMES:
         return ", ".join(names)
     return f"{', '.join(names[: MOST_NAMES - 1])} and {len(names) - MOST_NAMES + 1} more"

@@ -19,6 +19,8 @@ from beltsort.planning.display.facts import Policy, certified, facts, objects_le
 from beltsort.planning.display.tables import box, table
 from beltsort.planning.explanation import action_in_words
 
+MOST_ACTIONS = 12  # of a plan that are shown, the best first
+
 
 @singledispatch
 def html(thing: object) -> str:
@@ -40,7 +42,7 @@ def _(belief: Belief) -> str:
     last = belief.last_labels.tolist()
     if any(label >= 0 for row in last for label in row):
         names = [[str(j), *("" if z < 0 else model.labels[z] for z in row)] for j, row in enumerate(last)]
-        parts.append(table(names, header=["last label from", *model.viewpoints]))
+        parts.append(table(names, header=["last label from", *model.viewpoints], numbers=False))
     return box(f"Belief{left}", *parts)
 
 
@@ -53,10 +55,12 @@ def _(plan: Plan) -> str:
         for action, value in best_first
     ]
     chosen = [action for action, _ in best_first].index(plan.action)
+    more = f"; {len(rows) - MOST_ACTIONS} more actions" if len(rows) > MOST_ACTIONS else ""
+    trials = f"{plan.trials} trials in {plan.seconds:.3f} s"
     return box(
         f"Plan: {action_in_words(plan.model, plan.action)}",
-        table(rows, header=["action", "value", "less than the best"], bold=chosen),
-        remark=f"Optimal value {certified(plan)} (certified); {plan.trials} trials in {plan.seconds:.3f} s.",
+        table(rows[:MOST_ACTIONS], header=["action", "value", "gap to the best"], bold=chosen),
+        remark=f"Optimal value {certified(plan)} (certified); {trials}{more}.",
     )
 
 

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from html import escape
 
-# Everything but the shade takes the colours of the page.
-CELL = "padding:0.15em 0.7em;text-align:{align};white-space:{wrap};{look}"
+# Everything but the shade takes the colours of the page, also where these are not inherited by tables.
+TABLE = "border-collapse:collapse;margin:0.3em 0;color:inherit;font-size:inherit"
+CELL = "padding:0.15em 0.7em;text-align:{align};vertical-align:top;white-space:{wrap};{look}"
 SHADE = "background:rgba(0,114,178,{alpha:.2f});"
 DARKEST = 0.55  # of a shade; text in the page's colour can be read on it, be it black or white
 
@@ -37,12 +38,14 @@ def table(
     for number, row in enumerate(rows):
         shade = shades[number] if shades else ()
         lines.append(_row("td", row, align, shade, look="font-weight:600;" if number == bold else ""))
-    return f'<table style="border-collapse:collapse;margin:0.3em 0">{"".join(lines)}</table>'
+    return f'<table style="{TABLE}">{"".join(lines)}</table>'
 
 
-def box(title: str, *parts: str, remark: str = "") -> str:
-    """Return a title above tables, and a remark below them; title and remark are plain text."""
+def box(title: str, *parts: str, remark: str = "", preformatted: str = "") -> str:
+    """Return a title above tables, and below them a remark and a text with its own lines, all plain text."""
     below = f'<div style="opacity:0.75;font-size:90%">{escape(remark)}</div>' if remark else ""
+    if preformatted:
+        below += f'<pre style="font-size:90%">{escape(preformatted)}</pre>'
     return f'<div><div style="font-weight:600">{escape(title)}</div>{"".join(parts)}{below}</div>'
 
 

@@ -259,10 +259,10 @@ impl PyBelief {
         self.clone()
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyType>, BeliefRecord<'py>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, BeliefRecord<'py>) {
         let (belief, py) = (slf.borrow(), slf.py());
         let memory = belief.model.ever_repeats().then(|| belief.last_labels(py));
-        Ok((slf.get_type(), (belief.model(), belief.kinds(py), memory, belief.remaining())))
+        (slf.get_type(), (belief.model(), belief.kinds(py), memory, belief.remaining()))
     }
 }
 

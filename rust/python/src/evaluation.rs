@@ -161,7 +161,7 @@ impl PyEvaluation {
         slf.py().import("beltsort.planning.frames")?.call_method1("evaluation_frame", (slf,))
     }
 
-    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String, usize, usize, bool, bool))> {
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, EvaluationRecord)> {
         let restored = py.get_type::<Self>().getattr("_restored")?.unbind();
         let outcomes = to_json(&self.evaluation)?;
         Ok((restored, (outcomes, self.bins, self.classes, self.drawn_from_model, self.with_bonuses)))
@@ -178,6 +178,9 @@ impl PyEvaluation {
         Ok(Self { evaluation: from_json(outcomes)?, bins, classes, drawn_from_model, with_bonuses })
     }
 }
+
+/// The arguments of `_restored`.
+type EvaluationRecord = (String, usize, usize, bool, bool);
 
 displayed!(PyEvaluation);
 immutable!(PyEvaluation);
