@@ -13,8 +13,8 @@ rust_sources := Cargo.toml Cargo.lock $(shell find rust -type f)
 # make them wait for each other.
 pytest := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(bin)/python -m pytest --dist loadfile --no-loadscope-reorder
 
-.PHONY: help venv build dev demo check test test-rust lint-rust test-python lint-python types soak laws bench format wheel \
-	clean
+.PHONY: help venv build dev demo check test test-rust lint-rust test-python lint-python types stubs soak laws bench format \
+	wheel clean
 
 help:  ## this list
 	@echo 'make TARGET, with ARGS="..." for the demo and PYTHON=python3.12 to choose the interpreter of a new .venv'
@@ -55,6 +55,10 @@ lint-python: venv  ## ruff
 types: build venv  ## mypy, and the stub of the extension against the real thing
 	$(bin)/python -m mypy
 	$(bin)/python -m mypy.stubtest beltsort._core
+
+stubs: build  ## the docstrings of the extension into its stubs
+	$(bin)/python scripts/stub_docstrings.py
+	$(bin)/ruff format beltsort
 
 laws: SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
 laws: build venv  ## the laws on ten times the cases, new ones each time; SEED=... for the same again
