@@ -3,7 +3,6 @@
 import os
 import sys
 import threading
-import webbrowser
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
@@ -45,6 +44,8 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Serve the page until the process is interrupted."""
+    import webbrowser
+
     from beltsort.watch import Watcher, WatchServer
 
     if not 0 <= arguments.port <= LARGEST_PORT:

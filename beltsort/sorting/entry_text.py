@@ -82,7 +82,7 @@ class EntryFormatter:
             case Requested("continue", by):
                 text = f"continued: {by} asked to"
             case CommandFailed(command_id, outcome, error):
-                text = f"{command_id} {outcome}: {error}"
+                text = f"{command_id} {outcome}: {in_words(error)}"
             case Scanned() as scan:
                 text = self._scan(scan)
             case Drifted() as alarm:

@@ -3,16 +3,18 @@
 
 import { Scene } from "/scene.js";
 
+const MOST_CLASSES = 10; // rows of a position
 const INTERVAL = 1000; // ms between two questions
 const SILENT = 15; // seconds without an entry, after which a run that should go on is told to be silent
 const FAILURE = 8000; // ms that the failure of a request is shown
-const EXPLAIN_AFTER = 400; // ms that a step is shown before it is explained
+const EXPLAIN_AFTER = 200; // ms that a step is shown before it is explained
 
 const NO_SCAN = "none kept yet; `beltsort run` and `beltsort demo` keep the last one of a run";
 
 const byId = (id) => document.getElementById(id);
 const scene = new Scene(byId("cloud"), byId("sphere"));
 const explanations = new Map();
+const asked = new Set(); // steps whose explanation is under way
 let shown = null; // number of the step shown; null: the latest
 let latest = null; // last answer
 let cloud = null; // last answer about the scan
@@ -57,16 +59,27 @@ const classColour = (index) => `var(--class-${index % 8})`;
 const clock = (time) => new Date(time).toLocaleTimeString([], { hour12: false });
 
 function showBelt({ classes, bins }, moment) {
-  document.querySelector("main").classList.toggle("many", moment.positions.length > 2);
+  const longest = Math.max(...classes.map((name) => name.length));
+  byId("main").style.setProperty("--names", `${Math.min(16, Math.max(5, 0.58 * longest + 0.8))}em`);
+  byId("main").classList.toggle("many", moment.positions.length > 2);
   byId("belt").replaceChildren(...moment.positions.map((position, j) => {
     const box = element("div", "", j ? "position" : "position end");
     const title = element("h3", position.object == null ? "no object " : `object ${position.object} `);
     title.append(element("small", j ? `position ${j + 1}` : "belt end"));
     box.append(title);
     if (position.object == null) return box;
-    position.belief.forEach((p, i) => {
+    const ranked = [...position.belief.keys()].sort((a, b) => position.belief[b] - position.belief[a]);
+    const rows = classes.length > MOST_CLASSES ? ranked.slice(0, MOST_CLASSES - 1).sort((a, b) => a - b) : classes.keys();
+    let others = 1;
+    for (const i of rows) {
+      const p = position.belief[i];
+      others -= p;
       box.append(bar(classes[i], [0, p], p.toFixed(2), i === position.likely ? "likely" : "", classColour(i)));
-    });
+    }
+    if (classes.length > MOST_CLASSES) {
+      const count = classes.length - MOST_CLASSES + 1;
+      box.append(bar(`${count} others`, [0, Math.max(0, others)], Math.max(0, others).toFixed(2), "", "var(--quiet)"));
+    }
     if (position.bins.length) {
       const right = element("div", "", "of-bins");
       position.bins.forEach((p, b) => {
@@ -97,16 +110,20 @@ function showPlan(moment) {
   )));
   byId("explanation").textContent = (plan && explanations.get(plan.step)) ?? "";
   clearTimeout(explaining);
-  if (plan && !explanations.has(plan.step)) {
+  if (plan && !plan.reason && !explanations.has(plan.step)) {
     explaining = setTimeout(() => explain(plan.step), EXPLAIN_AFTER);
   }
 }
 
 async function explain(step) {
+  if (asked.has(step)) return;
+  asked.add(step);
   try {
     explanations.set(step, (await ask(`/api/explanation?step=${step}`)).text);
   } catch {
     return; // asked again when the step is shown again
+  } finally {
+    asked.delete(step);
   }
   if (latest?.run.moment.plan?.step === step) byId("explanation").textContent = explanations.get(step);
 }
@@ -162,6 +179,7 @@ function showAlarms({ alarms, alarm_counts: counts }) {
 
 function showScene({ viewpoints }, moment) {
   const { scan } = moment;
+  byId("scene").hidden = !cloud || Boolean(cloud.error);
   if (!cloud || cloud.error) {
     byId("scene-note").textContent = cloud?.error ?? "";
     scene.show(null);
