@@ -1,7 +1,7 @@
 """Links from code in a text to what it names: objects of the reference, and commands.
 
-Pages and docstrings write `beltsort.Despot`, `Belief` or `beltsort plan paper` as plain code, which reads well
-on GitHub and with `help` too.
+Pages and docstrings write `beltsort.Despot`, `Belief` or `beltsort plan paper` as plain code, which reads
+well on GitHub and with `help` too.
 """
 
 import re

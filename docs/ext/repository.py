@@ -1,4 +1,4 @@
-"""What pages of the repository's root need in this site: their links to each other, and a language of code."""
+"""Links between pages of the repository's root, and a language of their code blocks, in this site."""
 
 from docutils import nodes
 from pygments.lexers.special import TextLexer
