@@ -173,7 +173,7 @@ class RunHistory:
             self._read(entry)
 
     def now(self) -> Moment:
-        """Return the state after the last entry, in which an object that is being sorted is not sorted yet."""
+        """Return the state after the last entry, in which an object being sorted is not sorted yet."""
         sorting = self.progress.bin is not None
         return self._moment(self._step, len(self.progress.decisions) - sorting)
 
