@@ -13,8 +13,8 @@ rust_sources := Cargo.toml Cargo.lock $(shell find rust -type f)
 # make them wait for each other.
 pytest := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(bin)/python -m pytest --dist loadfile --no-loadscope-reorder
 
-.PHONY: help venv build dev demo check test test-rust lint-rust test-python lint-python types stubs soak laws bench format \
-	wheel clean
+.PHONY: help venv build dev demo check test test-rust lint-rust test-python lint-python types stubs docs soak laws bench \
+	format wheel clean
 
 help:  ## this list
 	@echo 'make TARGET, with ARGS="..." for the demo and PYTHON=python3.12 to choose the interpreter of a new .venv'
@@ -34,7 +34,7 @@ check: .venv/checked-rust .venv/extension-any venv  ## after an edit: linters, t
 
 # Two at a time: some wait for one core, others for servers.
 test:  ## every test and check
-	$(MAKE) -j2 test-rust lint-rust test-python lint-python types
+	$(MAKE) -j2 test-rust lint-rust test-python lint-python types docs
 
 test-rust: venv  ## cargo test
 	cargo test
@@ -60,6 +60,12 @@ stubs: build  ## the docstrings of the extension into its stubs
 	$(bin)/python scripts/stub_docstrings.py
 	$(bin)/ruff format beltsort
 
+# Everything is read again: Sphinx forgets the warnings of a page that has not changed. In one process: Sphinx
+# hangs where one of several meets an error.
+docs: build venv  ## the documentation's site, docs/_build/html/index.html
+	$(bin)/python -m sphinx --builder html --fresh-env --fail-on-warning --keep-going --quiet \
+		--doctree-dir docs/_build/doctrees docs docs/_build/html
+
 laws: SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
 laws: build venv  ## the laws on ten times the cases, new ones each time; SEED=... for the same again
 	BELTSORT_LAWS=1 PROPTEST_RNG_SEED=$(SEED) cargo test -p beltsort-core
@@ -83,7 +89,7 @@ wheel: venv  ## dist/*.whl
 	$(bin)/maturin build --out dist
 
 clean:  ## remove everything made by this file (runs/ stays)
-	rm -rf .venv target dist beltsort/_core.abi3.so .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv target dist docs/_build docs/api/generated docs/commands beltsort/_core.abi3.so .mypy_cache .pytest_cache .ruff_cache
 
 # scripts/bootstrap touches .venv/installed only when packages or metadata have changed: editing the settings of a tool
 # in pyproject.toml installs and builds nothing.

@@ -31,6 +31,7 @@ nitpick_ignore_regex = [
     (r"py:.*", r"(np|npt|numpy|collections|pathlib|os|argparse|datetime|types|typing|enum)\..*"),
     # Type variables, and imports for type checkers only.
     (r"py:.*", r"(.*\.)?(Options|Result|Stored|CellDescription)"),
+    (r"py:.*", r"tuple\[.*"),
     (r"py:.*", r"(NDArray|ArrayLike|Path|PathLike|Any|optional|default.*|shape.*|Callable|Sequence)"),
 ]
 
@@ -40,6 +41,7 @@ myst_heading_anchors = 3
 nb_execution_mode = "off"  # the tests execute the notebooks and compare their outputs
 
 # Docstrings.
+toc_object_entries_show_parents = "hide"
 autosummary_generate = True
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints_format = "short"
@@ -53,6 +55,7 @@ html_title = "beltsort"
 html_show_sourcelink = False
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_sidebars: dict[str, list[str]] = {"gallery": []}  # it has no pages below it
 html_theme_options = {
     "show_toc_level": 2,
     "navigation_with_keys": False,

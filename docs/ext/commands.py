@@ -1,7 +1,14 @@
 """Pages of the commands, written from the parsers of the command line before the sources are read."""
 
 import re
-from argparse import Action, ArgumentParser, HelpFormatter, RawDescriptionHelpFormatter, _SubParsersAction
+from argparse import (
+    SUPPRESS,
+    Action,
+    ArgumentParser,
+    HelpFormatter,
+    RawDescriptionHelpFormatter,
+    _SubParsersAction,
+)
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -25,16 +32,19 @@ result is exactly one JSON object. [Recovery from failures](../recovery.md) list
 {names}
 ```
 """
+CODE = re.compile(r"(`[^`]*`|(?<![\w-])--[a-z][a-z-]*)")
 SPECIAL = re.compile(r"([\\*_<>\[\]|#$])")
 PAGE = re.compile(r"docs/(\w+\.md)")
-WIDTH = 80
+WIDTH = 76
+TITLES = {"positional arguments": "Arguments"}
 
 
 def markdown(text: str) -> str:
-    """Return a plain text as Markdown: escaped, but code stays code, and names of pages become links."""
-    *pieces, last = re.split(r"(`[^`]*`)", " ".join(text.split()))
-    escaped = [piece if piece.startswith("`") else SPECIAL.sub(r"\\\1", piece) for piece in [*pieces, last]]
-    return PAGE.sub(r"[docs/\1](../\1)", "".join(escaped))
+    """Return a plain text as Markdown: code stays code, options become code, and names of pages links."""
+    pieces = CODE.split(" ".join(text.split()))
+    pieces[::2] = [PAGE.sub(r"[docs/\1](../\1)", SPECIAL.sub(r"\\\1", piece)) for piece in pieces[::2]]
+    pieces[1::2] = [f"`{piece.strip('`')}`" for piece in pieces[1::2]]
+    return "".join(pieces)
 
 
 def page(name: str, command: ArgumentParser) -> str:
@@ -43,9 +53,11 @@ def page(name: str, command: ArgumentParser) -> str:
     parts = [f"# beltsort {name}", markdown(command.description or "")]
     parts.append(f"```text\n{command.format_usage().strip()}\n```")
     for group in command._action_groups:
-        actions = [action for action in group._group_actions if action.help != "==SUPPRESS=="]
+        actions = [action for action in group._group_actions if action.dest != "help"]
+        actions = [action for action in actions if action.help != SUPPRESS]
+        title = group.title or "options"
         if actions:
-            parts += [f"## {(group.title or 'Options').capitalize()}", markdown(group.description or "")]
+            parts += [f"## {TITLES.get(title, title.capitalize())}", markdown(group.description or "")]
             parts += [_definition(action, command) for action in actions]
     if command.epilog:
         kept = issubclass(own, RawDescriptionHelpFormatter)

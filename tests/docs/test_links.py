@@ -37,6 +37,13 @@ def test_links(file: Path) -> None:
     assert [link for link in local if is_broken(file, link)] == []
 
 
+def test_external_links_are_encrypted() -> None:
+    """They are not followed: tests need no network."""
+    links = {link for file in FILES for link in LINK.findall(file.read_text()) if "://" in link}
+    assert links
+    assert all(link.startswith("https://") for link in links)
+
+
 def test_an_anchor_that_is_not_there_is_found() -> None:
     cell = ROOT / "docs" / "cell.md"
     assert not is_broken(cell, "cell.md#your-own-classifier")
