@@ -19,7 +19,9 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx_copybutton",
     "ext.commands",
+    "ext.mathml",
     "ext.repository",
+    "ext.signatures",
     "ext.code_links",
 ]
 exclude_patterns = ["_build", "_templates", "results"]
@@ -50,6 +52,7 @@ numpydoc_show_class_members = False  # the members follow in full
 numpydoc_class_members_toctree = False
 default_role = "code"
 
+html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "beltsort"
 html_show_sourcelink = False
