@@ -49,7 +49,7 @@ class CodeLinks(SphinxPostTransform):
         objects = cast(PythonDomain, self.env.get_domain("py")).objects
         name = match[1]
         for candidate in (name, f"beltsort.{name}", f"beltsort.perception.{name}"):
-            if candidate in objects and objects[candidate].objtype != "module":
+            if candidate in objects:
                 return objects[candidate].docname, objects[candidate].node_id
         return None
 
