@@ -21,6 +21,7 @@ from beltsort import (
     Solution,
     SortingModel,
     Threshold,
+    compare,
     evaluate,
     solve,
 )
@@ -154,6 +155,11 @@ def test_evaluations(paper: SortingModel) -> None:
         again: Evaluation = pickled(result)
         assert repr(again.summary()) == repr(result.summary())  # NaN is not equal to itself
         assert again.confusion.tolist() == result.confusion.tolist()
+
+
+def test_comparisons(paper: SortingModel) -> None:
+    compared = compare(paper, {"a": Threshold(paper, 0.9), "b": Threshold(paper, 0.8)}, batches=4)
+    assert repr(pickled(compared)) == repr(copy.deepcopy(compared)) == repr(compared)
 
 
 def returns(planner: Despot, seed: int) -> Evaluation:

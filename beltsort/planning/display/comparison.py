@@ -71,8 +71,8 @@ def latex_escaped(text: str) -> str:
 
     Examples
     --------
-    >>> latex_escaped("threshold_0.94 & more")
-    'threshold\\\\_0.94 \\\\& more'
+    >>> print(latex_escaped("threshold_0.94 & more"))
+    threshold\_0.94 \& more
     """
     return "".join(LATEX_SPECIAL.get(character, character) for character in text)
 

@@ -18,3 +18,25 @@ pub(crate) fn index_of(what: &str, name: &str, names: &[String]) -> Result<usize
         ))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{index_of, nearest};
+
+    #[test]
+    fn a_name_has_its_index() {
+        let names = ["front".to_string(), "above".to_string()];
+        assert_eq!(index_of("viewpoint", "above", &names), Ok(1));
+    }
+
+    #[test]
+    fn an_unknown_name_is_told_the_nearest() {
+        let names = ["front".to_string(), "above".to_string()];
+        let message = index_of("viewpoint", "abvoe", &names).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "there is no viewpoint \"abvoe\"; did you mean \"above\"? Known: front, above, or 0 to 1"
+        );
+        assert_eq!(nearest("any", std::iter::empty()), None);
+    }
+}
