@@ -79,10 +79,10 @@ BUILD_PROFILE: Final[Literal["debug", "release"]]
 class BeltsortError(Exception):
     """Every error that beltsort raises on purpose descends from this one."""
 
-class ModelError(BeltsortError):
+class ModelError(BeltsortError, ValueError):
     """A model that is not a sorting POMDP."""
 
-class ArgumentError(BeltsortError):
+class ArgumentError(BeltsortError, ValueError):
     """An argument that does not fit the model or has no meaning."""
 
 class ImpossibleObservationError(BeltsortError):

@@ -34,15 +34,27 @@ class Interrupts:
     not. Further signals only set it again, so that devices can be stopped in peace. A signal that is ignored
     (as SIGHUP under nohup) stays so. To be opened in the main thread.
 
+    Parameters
+    ----------
+    at_once
+        Whether the first signal raises. If not, it only sets the flag, for work that then ends in good order,
+        and the second one raises.
+
     Examples
     --------
     >>> with Interrupts() as interrupts:
     ...     interrupts.check()
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, at_once: bool = True) -> None:
+        self._at_once = at_once
         self._received: signal.Signals | None = None
         self._before: dict[signal.Signals, Handler] = {}
+
+    @property
+    def received(self) -> bool:
+        """Whether a signal has come."""
+        return self._received is not None
 
     def check(self) -> None:
         """Raise `Interrupted` if a signal has come."""
@@ -73,5 +85,5 @@ class Interrupts:
 
     def _handle(self, number: int, _frame: FrameType | None) -> None:
         first, self._received = self._received is None, signal.Signals(number)
-        if first:
+        if first == self._at_once:
             self.check()

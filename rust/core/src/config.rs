@@ -85,6 +85,9 @@ impl DespotConfig {
     }
 }
 
+/// For work that nobody stops.
+pub(crate) static NEVER: AtomicBool = AtomicBool::new(false);
+
 /// The time and the trials that a search has.
 pub(crate) struct Clock<'a> {
     budget: Budget,

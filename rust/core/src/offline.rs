@@ -111,7 +111,7 @@ impl Solution {
             ));
         }
         let arrival = Belief::new(model).as_slice().to_vec();
-        let policy = OneObjectPolicy::solve(model);
+        let policy = OneObjectPolicy::solve_until(model, stop);
         let mut leaves = LeafBounds { policy, grid: None, prices: None, alphas: None };
         let watch = Watch::new(time, stop, progress, leaves.bounds(model, &arrival, Viewpoint(0)));
         if all_alike(model) && stages::grid_fits(model) {

@@ -8,6 +8,7 @@
 //! Viewpoints with the same moves at the same costs are one *group*: in the paper's model there is one.
 
 mod plan_set;
+mod reachable;
 mod solve;
 mod stored;
 

@@ -1,6 +1,9 @@
 //! Policies: anything that names the next action for a belief and a viewpoint.
 
+use std::sync::atomic::AtomicBool;
+
 use crate::belief::{Belief, Groups};
+use crate::config::NEVER;
 use crate::error::{Result, argument_error};
 use crate::index::{Bin, Position, Viewpoint};
 use crate::model::{Action, SortingModel};
@@ -119,7 +122,13 @@ impl OneObject {
     /// Solve the one-object problem; labels are taken as independent, and any bonus is left aside.
     #[must_use]
     pub fn new(model: &SortingModel) -> Self {
-        Self { model: model.clone(), plans: OneObjectPolicy::solve(model) }
+        Self::new_until(model, &NEVER)
+    }
+
+    /// The same, solved until `stop` is set: with the best plans found by then.
+    #[must_use]
+    pub fn new_until(model: &SortingModel, stop: &AtomicBool) -> Self {
+        Self { model: model.clone(), plans: OneObjectPolicy::solve_until(model, stop) }
     }
 }
 

@@ -28,7 +28,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::belief::Belief;
 use crate::bounds;
-use crate::config::{Budget, Clock, DespotConfig};
+use crate::config::{Budget, Clock, DespotConfig, NEVER};
 use crate::error::{Result, argument_error};
 use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel};
@@ -50,9 +50,6 @@ const TARGET_GAP: f64 = 0.95;
 /// Tolerance of the search: it ends once the root's bounds are closer than this, in units of `r_max`.
 const GAP_TOLERANCE: f64 = 1e-10;
 
-/// A search that nobody stops.
-static NEVER: AtomicBool = AtomicBool::new(false);
-
 /// The planner: a model, its default policy and the settings of the search.
 #[derive(Debug, Clone)]
 pub struct BeliefSearch {
@@ -73,8 +70,7 @@ impl BeliefSearch {
     /// # Errors
     /// [`crate::Error::Argument`] for no scenarios or more than a million, a regularisation, or depth 0.
     pub fn new(model: &SortingModel, config: DespotConfig) -> Result<Self> {
-        check(config)?;
-        Ok(Self::prepared(model, OneObjectPolicy::solve(model), Certificate::coarse(model), config))
+        Self::new_until(model, None, config, &NEVER)
     }
 
     /// Prepare to plan with what a solution knows: at once, and with certificates as tight as its bounds.
@@ -82,27 +78,37 @@ impl BeliefSearch {
     /// # Errors
     /// As [`BeliefSearch::new`], and for the solution of another model.
     pub fn with_solution(model: &SortingModel, solution: &Solution, config: DespotConfig) -> Result<Self> {
-        check(config)?;
-        solution.check_solves(model)?;
-        Ok(Self::prepared(model, solution.one_object().clone(), solution.certificate(), config))
+        Self::new_until(model, Some(solution), config, &NEVER)
     }
 
-    fn prepared(
+    /// Prepare to plan, with or without a solution, until `stop` is set: then with a default policy and estimates as good
+    /// as they were by then.
+    ///
+    /// # Errors
+    /// As [`BeliefSearch::with_solution`].
+    pub fn new_until(
         model: &SortingModel,
-        default_policy: OneObjectPolicy,
-        certificate: Option<Certificate>,
+        solution: Option<&Solution>,
         config: DespotConfig,
-    ) -> Self {
+        stop: &AtomicBool,
+    ) -> Result<Self> {
+        check(config)?;
+        let (default_policy, certificate) = if let Some(solution) = solution {
+            solution.check_solves(model)?;
+            (solution.one_object().clone(), solution.certificate())
+        } else {
+            (OneObjectPolicy::solve_until(model, stop), Certificate::coarse(model, stop))
+        };
         let depth = config.depth_for(model);
-        Self {
-            shortfall: Shortfall::fitted(model, &default_policy, certificate.as_ref()),
+        Ok(Self {
+            shortfall: Shortfall::fitted(model, &default_policy, certificate.as_ref(), stop),
             certificate,
             model: Arc::new(model.clone()),
             default_policy,
             depth,
             randoms: Arc::new(Randoms::new(config.seed, config.scenarios, model.position_count(), depth)),
             config,
-        }
+        })
     }
 
     /// The model planned for.

@@ -218,14 +218,14 @@ impl PyDespot {
             depth: depth.map(|d| count("depth", d)).transpose()?,
         };
         let budget = budget(seconds, trials)?.unwrap_or(budget::DEFAULT);
-        let model = &model.0;
+        let (model, stop) = (&model.0, AtomicBool::new(false));
         let planner = match (variant, solution) {
-            ("beliefs", None) => py.detach(|| BeliefSearch::new(model, config)).map(Planner::beliefs(budget)),
-            ("beliefs", Some(solution)) => py
-                .detach(|| BeliefSearch::with_solution(model, &solution.solution, config))
-                .map(Planner::beliefs(budget)),
-            ("scenarios", None) => py
-                .detach(|| Despot::new(model, config))
+            ("beliefs", solution) => {
+                let solution = solution.map(|solution| &*solution.solution);
+                interruptible(py, &stop, || BeliefSearch::new_until(model, solution, config, &stop))?
+                    .map(Planner::beliefs(budget))
+            }
+            ("scenarios", None) => interruptible(py, &stop, || Despot::new_until(model, config, &stop))?
                 .map(|despot| Planner::Scenarios(BudgetedDespot { despot, budget })),
             ("scenarios", Some(_)) => {
                 return Err(ArgumentError::new_err(

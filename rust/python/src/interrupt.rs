@@ -33,6 +33,16 @@ pub fn interruptible<T: Send>(
     stop: &AtomicBool,
     work: impl FnOnce() -> T + Send,
 ) -> PyResult<T> {
+    interruptible_by(py, stop, |_| Ok(false), work)
+}
+
+/// The same; besides, `stop` is set once `poll` returns true, and what `poll` raises is handled like a signal.
+pub fn interruptible_by<T: Send>(
+    py: Python<'_>,
+    stop: &AtomicBool,
+    poll: impl Fn(Python<'_>) -> PyResult<bool> + Sync,
+    work: impl FnOnce() -> T + Send,
+) -> PyResult<T> {
     py.detach(|| {
         thread::scope(|scope| {
             let (alive, ended) = channel::<()>();
@@ -44,16 +54,15 @@ pub fn interruptible<T: Send>(
             let mut signals = Ok(());
             while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(SIGNAL_POLL) {
                 if signals.is_ok() {
-                    signals = Python::attach(handle_signals);
-                    stop.store(signals.is_err(), Ordering::Relaxed);
+                    let polled = Python::attach(|py| py.check_signals().and_then(|()| poll(py)));
+                    if !matches!(polled, Ok(false)) {
+                        stop.store(true, Ordering::Relaxed);
+                    }
+                    signals = polled.map(drop);
                 }
             }
             let result = worker.join().unwrap_or_else(|panic| resume_unwind(panic));
             signals.map(|()| result)
         })
     })
-}
-
-fn handle_signals(py: Python<'_>) -> PyResult<()> {
-    py.check_signals()
 }

@@ -1,6 +1,7 @@
 //! The simple policies.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use beltsort_core::{
     DEFAULT_SCENARIOS, DespotConfig, InformationGain, LookAhead, OneObject, Policy, Question, SortingModel,
@@ -14,6 +15,7 @@ use crate::belief::PyBelief;
 use crate::convert::{self, Whole, count};
 use crate::display::{displayed, immutable};
 use crate::errors::{ArgumentError, to_python};
+use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
 use crate::names::Named;
 
@@ -242,8 +244,10 @@ pub struct PyOneObject {
 #[pymethods]
 impl PyOneObject {
     #[new]
-    fn new(py: Python<'_>, model: &PySortingModel) -> Self {
-        Self { policy: py.detach(|| OneObject::new(&model.0)), model: Arc::clone(&model.0) }
+    fn new(py: Python<'_>, model: &PySortingModel) -> PyResult<Self> {
+        let stop = AtomicBool::new(false);
+        let policy = interruptible(py, &stop, || OneObject::new_until(&model.0, &stop))?;
+        Ok(Self { policy, model: Arc::clone(&model.0) })
     }
 
     /// Return the first action of the best plan.
@@ -327,7 +331,9 @@ impl PyLookAhead {
     ) -> PyResult<Self> {
         let (depth, scenarios) = (count("depth", depth)?, count("scenarios", scenarios)?);
         let config = DespotConfig { scenarios, seed: convert::seed(seed)?, ..DespotConfig::default() };
-        let policy = py.detach(|| LookAhead::new(&model.0, depth, config)).map_err(to_python)?;
+        let stop = AtomicBool::new(false);
+        let policy = interruptible(py, &stop, || LookAhead::new_until(&model.0, depth, config, &stop))?
+            .map_err(to_python)?;
         Ok(Self { policy, model: Arc::clone(&model.0), depth, config })
     }
 

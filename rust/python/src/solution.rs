@@ -13,7 +13,7 @@ use crate::belief::PyBelief;
 use crate::budget::time;
 use crate::display::{displayed, immutable};
 use crate::errors::to_python;
-use crate::interrupt::interruptible;
+use crate::interrupt::interruptible_by;
 use crate::model::PySortingModel;
 use crate::names::Named;
 
@@ -221,6 +221,9 @@ immutable!(PySolution);
 /// progress : callable, optional
 ///     Called with the bounds ``(lower, upper)`` so far, from another thread. What it raises ends the solver
 ///     and passes through.
+/// stop : callable, optional
+///     Called without arguments some twenty times a second; once it returns true, the solver ends and returns
+///     what it has: both bounds hold. What it raises passes through.
 ///
 /// Returns
 /// -------
@@ -247,14 +250,16 @@ immutable!(PySolution);
 /// >>> f"{solution.lower:.2f} {solution.upper:.2f}"
 /// '15.77 15.77'
 #[pyfunction]
-#[pyo3(signature = (model, *, seconds=DEFAULT_SOLVE_SECONDS, progress=None))]
+#[pyo3(signature = (model, *, seconds=DEFAULT_SOLVE_SECONDS, progress=None, stop=None))]
 pub fn solve(
     py: Python<'_>,
     model: &PySortingModel,
     seconds: f64,
     progress: Option<Py<PyAny>>,
+    stop: Option<Py<PyAny>>,
 ) -> PyResult<PySolution> {
     let time = time(seconds)?;
+    let asked = stop;
     let stop = AtomicBool::new(false);
     let raised = Mutex::new(None);
     let mut report = |lower: f64, upper: f64| {
@@ -266,7 +271,8 @@ pub fn solve(
             }
         }
     };
-    let solution = interruptible(py, &stop, || Solution::solve(&model.0, time, &stop, &mut report))?;
+    let poll = |py: Python<'_>| asked.as_ref().map_or(Ok(false), |asked| asked.call0(py)?.is_truthy(py));
+    let solution = interruptible_by(py, &stop, poll, || Solution::solve(&model.0, time, &stop, &mut report))?;
     if let Some(error) = raised.into_inner().ok().flatten() {
         return Err(error);
     }

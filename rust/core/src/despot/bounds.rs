@@ -1,5 +1,7 @@
 //! Bounds of a node from the class histograms of its scenarios: a default policy's value, and that of knowing all.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use crate::index::{Bin, Label, Position, Viewpoint};
 use crate::model::{Action, Look, SortingModel};
 use crate::policy::next_moves;
@@ -65,7 +67,8 @@ pub(super) struct Histogram<'a> {
 }
 
 impl Bounds {
-    pub(super) fn new(model: &SortingModel) -> Self {
+    /// The best default policy of those tried before `stop` is set, of at least one.
+    pub(super) fn new(model: &SortingModel, stop: &AtomicBool) -> Self {
         let (spec, most) = (model.spec(), model.most_reward());
         let far = (NEGLIGIBLE.ln() / spec.discount.ln()).ceil().min(MOST_OBJECTS);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 1 and MOST_OBJECTS
@@ -82,6 +85,9 @@ impl Bounds {
         let mut best = f64::NEG_INFINITY;
         for target in model.viewpoints() {
             for looks in (0..).take_while(|looks| sequences(model, *looks) <= MOST_SEQUENCES) {
+                if best.is_finite() && stop.load(Ordering::Relaxed) {
+                    return bounds;
+                }
                 let (plans, forever) = plans(model, target, looks);
                 let unseen = values_of_unseen(model, &plans, &forever, objects);
                 let worth = unseen[objects].iter().sum();

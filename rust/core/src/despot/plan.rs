@@ -8,7 +8,7 @@ use super::node::ROOT;
 use super::tree::Tree;
 use super::{Bounds, Search};
 use crate::belief::Belief;
-use crate::config::{Budget, DespotConfig};
+use crate::config::{Budget, DespotConfig, NEVER};
 use crate::error::{Result, argument_error, model_error};
 use crate::index::{Bin, Viewpoint};
 use crate::model::{Action, SortingModel};
@@ -50,6 +50,14 @@ impl Despot {
     /// [`crate::Error::Model`] for a bonus for
     /// information, which is no reward of states.
     pub fn new(model: &SortingModel, config: DespotConfig) -> Result<Self> {
+        Self::new_until(model, config, &NEVER)
+    }
+
+    /// Prepare to plan until `stop` is set: then with a default policy as good as it was by then.
+    ///
+    /// # Errors
+    /// As [`Despot::new`].
+    pub fn new_until(model: &SortingModel, config: DespotConfig, stop: &AtomicBool) -> Result<Self> {
         config.check()?;
         if model.spec().information_gain > 0.0 {
             return model_error(
@@ -68,7 +76,7 @@ impl Despot {
         let depth = config.depth_for(model);
         let power = |previous: &f64| Some(previous * model.discount());
         Ok(Self {
-            bounds: Arc::new(Bounds::new(model)),
+            bounds: Arc::new(Bounds::new(model, stop)),
             thresholds: Arc::new(Thresholds::new(model)),
             randoms: Arc::new(Randoms::new(config.seed, config.scenarios, model.position_count(), depth)),
             discounts: std::iter::successors(Some(1.0), power).take(depth + 1).collect(),

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
-use crate::config::{Budget, DespotConfig};
+use crate::config::{Budget, DespotConfig, NEVER};
 use crate::index::{Bin, Label};
 use crate::model::{Look, ModelSpec, ScalarOrMatrix};
 use crate::scenario::LookPoint;
@@ -174,7 +174,7 @@ proptest! {
         let belief = belief_of(&model, &weights).with_remaining(remaining);
         let (shares, remaining) = (belief.visible(), belief.objects_left());
         let at = Histogram { shares, remaining, viewpoint: START, fresh: true };
-        let (value, action) = Bounds::new(&model).default_policy(&at, &mut Vec::new());
+        let (value, action) = Bounds::new(&model, &NEVER).default_policy(&at, &mut Vec::new());
         let (_, at_most) = enumerated_value(&model, &belief, START, 4);
         prop_assert!(value <= at_most + 1e-9, "{value} above V* <= {at_most}");
         let legal = |to| model.legal_moves(START).contains(&to);

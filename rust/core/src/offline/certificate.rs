@@ -1,6 +1,7 @@
 //! Certified upper bounds for searches: at a belief, and after each label vector of a scan.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::prices::PricedBound;
 use super::simplex_grid::{Combination, merged};
@@ -12,6 +13,8 @@ use crate::model::SortingModel;
 
 /// Values times classes times moves of a bound that is ready at once.
 const MOST_AT_ONCE: f64 = 2e6;
+/// Work of one look at every grid point of such a bound: points times labels times squared kinds times moves.
+const MOST_WORK: f64 = 2e8;
 /// Tolerance of its values, in units of `r_max`; what is left of it is added to the bound.
 const AT_ONCE_TOLERANCE: f64 = 3e-3;
 
@@ -26,11 +29,15 @@ pub(super) enum Source {
 }
 
 impl Certificate {
-    /// One that is ready in a fraction of a second, and loose; for models that [`upper`] has a proof for.
-    pub(crate) fn coarse(model: &SortingModel) -> Option<Self> {
+    /// One that is ready in a fraction of a second, and loose, more so if `stop` is set meanwhile; for models that
+    /// [`upper`] has a proof for, unless their kinds are too many for any grid.
+    pub(crate) fn coarse(model: &SortingModel, stop: &AtomicBool) -> Option<Self> {
         let moves = model.legal_moves(Viewpoint(0)).len().max(1) as f64;
-        let grid = || stages::coarse_grid(model, MOST_AT_ONCE / moves, AT_ONCE_TOLERANCE, || false);
-        (model.check_plain().is_ok() && all_alike(model)).then(|| Self(Source::Grid(Arc::new(grid()))))
+        let stopped = || stop.load(Ordering::Relaxed);
+        let grid = || stages::coarse_grid(model, MOST_AT_ONCE / moves, AT_ONCE_TOLERANCE, stopped);
+        let fits = || stages::work_of_coarsest(model) * moves <= MOST_WORK;
+        (model.check_plain().is_ok() && all_alike(model) && fits())
+            .then(|| Self(Source::Grid(Arc::new(grid()))))
     }
 
     /// The bound at a belief.

@@ -80,6 +80,12 @@ pub(super) fn tightened_grid(model: &SortingModel, watch: &Watch<'_>) -> GridBou
     }
 }
 
+/// Work of finding the posteriors of all points of the coarsest grid between its points, by one look.
+pub(super) fn work_of_coarsest(model: &SortingModel) -> f64 {
+    // One interval per axis: the points are the kinds.
+    (model.label_count() as f64) * (model.kind_count() as f64).powi(3)
+}
+
 /// The best graded of coarse grids, of at most so many values times classes, to a tolerance in units of `r_max`.
 pub(super) fn coarse_grid(
     model: &SortingModel,
@@ -97,6 +103,9 @@ pub(super) fn coarse_grid(
     // Each starts from the best before it, which is a bound on any grid.
     let mut best = GridBound::new(model, resolution(intervals, GRADINGS[0]));
     for (number, grading) in GRADINGS.into_iter().enumerate() {
+        if number > 0 && stop() {
+            break;
+        }
         let mut bound = best.refined(model, resolution(intervals, grading));
         bound.improve(model, tolerance * model.reward_scale(), &stop);
         if number == 0 || ahead(&bound) < ahead(&best) {

@@ -4,22 +4,19 @@
 //! policy but never a wrong bound.
 
 use std::collections::HashSet;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{DMatrix, DVector};
-use rand::RngExt;
 use rayon::prelude::*;
 
 use super::plan_set::{ConditionalPlan, PlanSet};
+use super::reachable::reachable_beliefs;
 use super::{OneObjectPolicy, dot};
-use crate::belief::{condition, evidence, joint};
-use crate::index::{Bin, Kind, Label, Position, Viewpoint};
+use crate::belief::joint;
+use crate::config::NEVER;
+use crate::index::{Bin, Kind, Position, Viewpoint};
 use crate::model::{Action, Look, SortingModel};
-use crate::sampling::{Purpose, invert, stream};
 
-/// Most belief points of point-based value iteration, and the random walks that they are met on.
-const POINTS: usize = 1000;
-const WALKS: u64 = 2000;
-const LOOKS_PER_WALK: usize = 8;
 /// Convergence tolerance of the value of n unseen objects in n, in units of `r_max`.
 const UNSEEN_TOLERANCE: f64 = 1e-6;
 /// Largest number of unseen objects with a value of its own; only a discount close to 1 needs as many.
@@ -35,44 +32,49 @@ const ROUND_TOLERANCE: f64 = 1e-6;
 const PRUNING_TOLERANCE: f64 = 3e-2;
 /// Most rounds of policy iteration; it converges in a few.
 const ROUNDS: usize = 100;
-/// Points whose probabilities differ by less than this count as one.
-const SAME_POINT: f64 = 2e-3;
 
 impl OneObjectPolicy {
     /// Solve the one-object problem of a model. Deterministic.
     #[must_use]
     pub fn solve(model: &SortingModel) -> Self {
-        let points = reachable_beliefs(model);
+        Self::solve_until(model, &NEVER)
+    }
+
+    /// Solve until `stop` is set: with the plans found by then, none of which is wrong.
+    pub(crate) fn solve_until(model: &SortingModel, stop: &AtomicBool) -> Self {
+        let points = reachable_beliefs(model, stop);
         let mut policy = Self::deciding_at_once(model);
-        let mut values = policy.values_at(&points);
+        let mut values = policy.values_at(&points, stop);
         for _ in 0..SWEEPS {
-            policy.plans =
-                (0..policy.group_count()).map(|group| policy.backed_up(model, group, &points)).collect();
+            let groups = 0..policy.group_count();
+            policy.plans = groups.map(|group| policy.backed_up(model, group, &points, stop)).collect();
             policy.evaluate_arrival(model);
-            let before = std::mem::replace(&mut values, policy.values_at(&points));
+            let before = std::mem::replace(&mut values, policy.values_at(&points, stop));
             let change = before.iter().zip(&values).map(|(a, b)| (a - b).abs() / model.reward_scale());
-            if change.fold(0.0, f64::max) < SWEEP_TOLERANCE {
+            if change.fold(0.0, f64::max) < SWEEP_TOLERANCE || is_set(stop) {
                 break;
             }
         }
-        policy.thin(model, &points);
+        policy.thin(model, &points, stop);
         policy.unseen_values = policy.values_on_ending_belts(model);
         policy
     }
 
     /// Value of the best plan at each point, group by group. That of an unseen object alone would not tell whether the
-    /// iteration has converged: it pauses where another look pays only together with the one after it.
-    fn values_at(&self, points: &[Vec<f64>]) -> Vec<f64> {
+    /// iteration has converged: it pauses where another look pays only together with the one after it. Fewer values once
+    /// `stop` is set.
+    fn values_at(&self, points: &[Vec<f64>], stop: &AtomicBool) -> Vec<f64> {
         let value = |group, belief| self.best(group, belief, &self.arrival_values).1;
         let groups = 0..self.group_count();
-        groups.flat_map(|group| points.iter().map(move |belief| value(group, belief))).collect()
+        let all = groups.flat_map(|group| points.iter().map(move |belief| (group, belief)));
+        all.take_while(|_| !is_set(stop)).map(|(group, belief)| value(group, belief)).collect()
     }
 
     /// Prune the plans (see [`PRUNING_TOLERANCE`]): the search evaluates all of them at every leaf.
-    fn thin(&mut self, model: &SortingModel, points: &[Vec<f64>]) {
+    fn thin(&mut self, model: &SortingModel, points: &[Vec<f64>], stop: &AtomicBool) {
         for group in 0..self.group_count() {
             let mut kept: Vec<ConditionalPlan> = Vec::new();
-            for belief in points {
+            for belief in points.iter().take_while(|_| !is_set(stop)) {
                 let value = |plan: &ConditionalPlan| plan.value(belief, &self.arrival_values);
                 let (best, worth) = self.best(group, belief, &self.arrival_values);
                 if kept.iter().all(|plan| value(plan) < worth - PRUNING_TOLERANCE * model.reward_scale()) {
@@ -100,9 +102,16 @@ impl OneObjectPolicy {
     }
 
     /// The best plan at each point after one backup; the plans that decide at once always stay.
-    fn backed_up(&self, model: &SortingModel, group: usize, points: &[Vec<f64>]) -> PlanSet {
+    fn backed_up(
+        &self,
+        model: &SortingModel,
+        group: usize,
+        points: &[Vec<f64>],
+        stop: &AtomicBool,
+    ) -> PlanSet {
         let following = self.plans_by_value();
-        let backups = points.par_iter().map(|belief| self.backup(model, group, belief, &following));
+        let remaining = points.par_iter().take_any_while(|_| !is_set(stop));
+        let backups = remaining.map(|belief| self.backup(model, group, belief, &following, stop));
         let improved: Vec<_> = backups.collect();
         let mut kept = deciding(model, self.group_count(), group);
         let mut known: HashSet<_> = kept.iter().map(ConditionalPlan::bits).collect();
@@ -129,14 +138,15 @@ impl OneObjectPolicy {
         group: usize,
         belief: &[f64],
         following: &[PlanSet],
+        stop: &AtomicBool,
     ) -> ConditionalPlan {
         let worth = |plan: &ConditionalPlan| plan.value(belief, &self.arrival_values);
         let from = self.representative(group);
         let (at_hand, _) = self.best(group, belief, &self.arrival_values);
         let mut best = (at_hand.clone(), worth(at_hand));
         let now = decide(model, self.group_count(), group, model.best_decision(belief).0);
-        let moves =
-            model.legal_moves(from).iter().map(|&to| self.move_plan(model, from, to, belief, following));
+        let legal = model.legal_moves(from).iter().take_while(|_| !is_set(stop));
+        let moves = legal.map(|&to| self.move_plan(model, from, to, belief, following));
         for plan in std::iter::once(now).chain(moves) {
             let value = worth(&plan);
             if value > best.1 {
@@ -217,6 +227,10 @@ impl OneObjectPolicy {
     }
 }
 
+fn is_set(stop: &AtomicBool) -> bool {
+    stop.load(Ordering::Relaxed)
+}
+
 /// The plans that decide at once, one per bin.
 fn deciding(model: &SortingModel, groups: usize, group: usize) -> Vec<ConditionalPlan> {
     model.bins().map(|bin| decide(model, groups, group, bin)).collect()
@@ -248,36 +262,6 @@ pub(crate) fn viewpoint_groups(model: &SortingModel) -> (Vec<usize>, usize) {
         })
         .collect();
     (group_of, kinds.len())
-}
-
-/// Beliefs about one object that random looks reach, from each of its positions on the way to the belt end.
-fn reachable_beliefs(model: &SortingModel) -> Vec<Vec<f64>> {
-    let mut points = vec![model.arrival().as_slice().to_vec()];
-    for walk in 0..WALKS {
-        let mut rng = stream(0, Purpose::Walk, walk);
-        let mut belief = model.arrival().as_slice().to_vec();
-        for look in 0..LOOKS_PER_WALK {
-            // Some walks see the object only at the belt end, some also on its way there.
-            let on_the_way = model.position_count() > 1 && walk % 2 == 1 && look < LOOKS_PER_WALK / 2;
-            let position = if on_the_way { rng.random_range(1..model.position_count()) } else { 0 };
-            let viewpoint = Viewpoint(rng.random_range(0..model.viewpoint_count()));
-            let look = Look::first(Position(position), viewpoint);
-            let predicted = model.labels().map(|z| evidence(&belief, model.likelihoods(look, z)));
-            let z = Label(invert(predicted, rng.random::<f64>()));
-            condition(&mut belief, model.likelihoods(look, z));
-            if points.iter().all(|p| distance(p, &belief) > SAME_POINT) {
-                points.push(belief.clone());
-            }
-        }
-        if points.len() >= POINTS {
-            break;
-        }
-    }
-    points
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! Looking a fixed number of steps ahead: what the search has to beat.
 
+use std::sync::atomic::AtomicBool;
+
 use super::{BeliefSearch, Search};
 use crate::belief::Belief;
-use crate::config::DespotConfig;
+use crate::config::{DespotConfig, NEVER};
 use crate::error::{Result, argument_error};
 use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel};
@@ -26,10 +28,23 @@ impl LookAhead {
     /// # Errors
     /// [`crate::Error::Argument`] for another depth, or settings that [`BeliefSearch`] refuses.
     pub fn new(model: &SortingModel, depth: usize, config: DespotConfig) -> Result<Self> {
+        Self::new_until(model, depth, config, &NEVER)
+    }
+
+    /// The same, prepared until `stop` is set, as [`BeliefSearch::new_until`].
+    ///
+    /// # Errors
+    /// As [`LookAhead::new`].
+    pub fn new_until(
+        model: &SortingModel,
+        depth: usize,
+        config: DespotConfig,
+        stop: &AtomicBool,
+    ) -> Result<Self> {
         if !(1..=DEEPEST).contains(&depth) {
             return argument_error(format!("depth = {depth}; look 1 to {DEEPEST} steps ahead"));
         }
-        Ok(Self { search: BeliefSearch::new(model, config)?, depth })
+        Ok(Self { search: BeliefSearch::new_until(model, None, config, stop)?, depth })
     }
 }
 

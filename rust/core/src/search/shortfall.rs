@@ -10,6 +10,8 @@
 //! what can still be gained falls with the objects left, and putting off a decision would seem to pay. There l is the
 //! better estimate; only what is left to learn still counts where learning is rewarded.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use nalgebra::{Matrix4, Vector4};
 use rand::RngExt;
 
@@ -77,13 +79,14 @@ impl Shortfall {
         (of_value + self.0[2] * entropy).max(0.0)
     }
 
-    /// Fit to a model. Deterministic.
+    /// Fit to a model, at the beliefs met before `stop` is set. Deterministic if it is not.
     pub(super) fn fitted(
         model: &SortingModel,
         policy: &OneObjectPolicy,
         certificate: Option<&Certificate>,
+        stop: &AtomicBool,
     ) -> Self {
-        let visits = walk((model, certificate), policy);
+        let visits = walk((model, certificate), policy, stop);
         let mut fit = Self(Vector4::zeros());
         for _ in 0..ITERATIONS {
             let Some(next) = fit.backed_up(model.discount(), &visits) else { break };
@@ -118,13 +121,16 @@ struct Visit {
 }
 
 /// Beliefs along a walk that takes the action with the highest value, or now and then a random one, as searches do.
-fn walk((model, certificate): Bounded<'_>, policy: &OneObjectPolicy) -> Vec<Visit> {
+fn walk((model, certificate): Bounded<'_>, policy: &OneObjectPolicy, stop: &AtomicBool) -> Vec<Visit> {
     let entries = model.viewpoint_count() * model.position_count() * model.label_count();
     let length = (WORK / entries).clamp(BELIEFS.start, BELIEFS.end);
     let mut rng = stream(0, Purpose::Walk, u64::from(u32::MAX));
     let (mut belief, mut viewpoint) = (Belief::new(model), Viewpoint(0));
     let mut visits = Vec::with_capacity(length);
     for _ in 0..length {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
         let steps = steps((model, certificate), policy, &belief, viewpoint);
         let worth = |step: &Step| step.reward + model.discount() * step.next.value;
         let chosen = if rng.random::<f64>() < EXPLORATION {
