@@ -65,7 +65,7 @@ def compare(
     Raises
     ------
     ArgumentError
-        If there are fewer than two policies, the baseline or a metric is unknown, the reference can bound
+        If there is no mapping, or one of fewer than two policies, the baseline or a metric is unknown, the reference can bound
         neither regrets nor losses, or `evaluate` rejects an argument.
 
     Examples
@@ -77,6 +77,11 @@ def compare(
     >>> comparison.difference("threshold 0.99", "correct").mean > 0
     True
     """
+    if not isinstance(policies, Mapping):
+        raise ArgumentError(
+            f"policies is a {type(policies).__name__}, expected a dict of policies by name: write "
+            '{"one": first, "other": second}'
+        )
     if len(policies) < 2:
         raise ArgumentError(
             f"{len(policies)} policies are given, expected at least two to compare; give more"

@@ -9,6 +9,7 @@ import pytest
 from beltsort import (
     ArgumentError,
     Belief,
+    BeltsortError,
     Decide,
     Despot,
     ImpossibleObservationError,
@@ -20,6 +21,7 @@ from beltsort import (
     PolicyError,
     SortingModel,
     Threshold,
+    compare,
     evaluate,
     solve,
 )
@@ -72,7 +74,11 @@ CASES: dict[str, Case] = {
         ["p_obs[0][0]", "2", "3", "class"],
     ),
     "no positions": (model(np.zeros((0, 1, 2, 2))), ModelError, ["p_obs", "position", "(H, K, L, L)", "1"]),
-    "ragged p_obs": (model([[[[0.5, 0.5], [1.0]]]]), ModelError, ["p_obs", "inhomogeneous"]),
+    "ragged p_obs": (
+        model([[[[0.5, 0.5], [1.0]]]]),
+        ModelError,
+        ["p_obs[0][0][1]", "1 entries", "expected 2"],
+    ),
     "p_obs of words": (model("tables"), ModelError, ["p_obs", "tables"]),
     "one class": (model([[[[1.0]]]], classes=["a"]), ModelError, ["classes", "1", "2"]),
     "same name": (model(classes=["a", "a"]), ModelError, ["classes", '"a"']),
@@ -178,7 +184,36 @@ CASES: dict[str, Case] = {
         ['"discont"', '"discount"', "classes, viewpoints, p_obs"],
     ),
     "missing key": (file(), ModelError, ["missing", "`p_obs`"]),
-    "wrong type": (file(p_obs=TABLES, r_min="high"), ModelError, ['"high"', "f64"]),
+    "wrong type": (file(p_obs=TABLES, r_min="high"), ModelError, ["r_min", '"high"', "a number"]),
+    "classes no list": (file(p_obs=TABLES, classes=3), ModelError, ["classes is 3", "a list of names"]),
+    "entry of p_obs": (
+        file(p_obs=[[[[0.8, 0.2], [0.2, "x"]]]]),
+        ModelError,
+        ['p_obs[0][0][1][1] is "x"', "four nested lists"],
+    ),
+    "ragged p_obs of a file": (
+        file(p_obs=[[[[0.8, 0.2], [1.0]]]]),
+        ModelError,
+        ["p_obs[0][0][1]", "1 entries", "expected 2"],
+    ),
+    "viewpoint in travel": (
+        file(p_obs=TABLES, travel=[["front"]]),
+        ModelError,
+        ['travel[0][0] is "front"', "numbers"],
+    ),
+    "classes in one word": (model(classes="ab"), ModelError, ["classes is 'ab'", "a list of names"]),
+    "list for a number": (model(r_min=[1, 2]), ModelError, ["r_min is [1, 2]", "a number"]),
+    "replaced by a list": (lambda: MODEL.replace(r_max=[1]), ModelError, ["r_max is [1]", "a number"]),
+    "class of a policy": (
+        lambda: evaluate(MODEL, OneObject),  # type: ignore[arg-type]  # which is the mistake
+        PolicyError,
+        ["policy is the class OneObject", "OneObject(model)"],
+    ),
+    "list of policies": (
+        lambda: compare(MODEL, [THRESHOLD]),  # type: ignore[arg-type]  # which is the mistake
+        ArgumentError,
+        ["policies is a list", "a dict of policies by name"],
+    ),
     "no JSON": (lambda: SortingModel.from_json("{"), ModelError, ["JSON", "line 1 column 1"]),
     "no object": (
         lambda: SortingModel.from_json("[]"),
@@ -312,3 +347,9 @@ def test_a_policy_that_names_no_action() -> None:
 
     with pytest.raises(PolicyError, match=r"None.*beltsort\.Move"):
         evaluate(MODEL, Silent(), batches=1)  # type: ignore[arg-type] # the mistake under test
+
+
+@pytest.mark.parametrize("kind", [ArgumentError, ModelError])
+def test_wrong_values_are_value_errors(kind: type[Exception]) -> None:
+    assert issubclass(kind, ValueError)
+    assert issubclass(kind, BeltsortError)

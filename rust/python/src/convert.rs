@@ -1,6 +1,6 @@
 //! From Python's numbers and arrays to those of the core.
 
-use beltsort_core::{Class, Label, ScalarOrMatrix, Smoothing, Tables};
+use beltsort_core::{Class, Label, ModelSpec, ScalarOrMatrix, Smoothing, Tables};
 use numpy::ndarray::Array4;
 use numpy::{AllowTypeChange, Element, IntoPyArray, PyArray4, PyArrayLikeDyn};
 use pyo3::exceptions::PyValueError;
@@ -13,6 +13,30 @@ use crate::errors::{ArgumentError, ModelError};
 
 /// Whole numbers up to here are exact as f64.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// An argument of the right type, or what was given instead: so that the error can name the argument.
+pub enum Given<T> {
+    Right(T),
+    Wrong(String),
+}
+
+impl<'a, 'py, T: FromPyObject<'a, 'py>> FromPyObject<'a, 'py> for Given<T> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        value.extract().map(Self::Right).or_else(|_| Ok(Self::Wrong(value.repr()?.extract()?)))
+    }
+}
+
+impl<T> Given<T> {
+    /// The argument as the key of a model.
+    pub fn of(self, key: &str) -> PyResult<T> {
+        match self {
+            Self::Right(value) => Ok(value),
+            Self::Wrong(value) => Err(ModelError::new_err(ModelSpec::wrong_type(key, key, &value))),
+        }
+    }
+}
 
 /// A whole number as Python gives it: wide enough that what is out of range gets the core's own answer.
 pub type Whole = i128;
@@ -41,7 +65,11 @@ pub fn seed(value: Whole) -> PyResult<u64> {
 
 /// Observation tables from anything that numpy makes an array of four axes of.
 pub fn tables(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Tables<f64>> {
-    let array = array(name, value).map_err(ModelError::new_err)?;
+    let array = match array(name, value) {
+        Ok(array) => array,
+        // Rows of unequal lengths: the core says which.
+        Err(reason) => return value.extract().map_err(|_| ModelError::new_err(reason)),
+    };
     let view = array.as_array();
     let shape = view.shape().to_vec();
     if shape.len() != 4 {

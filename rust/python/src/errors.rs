@@ -1,21 +1,16 @@
 //! The one place where errors of the core become Python exceptions.
 
 use beltsort_core::Error;
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{IntoPyDict, PyType};
 
 pyo3::create_exception!(
     beltsort,
     BeltsortError,
     PyException,
     "Every error that beltsort raises on purpose descends from this one."
-);
-pyo3::create_exception!(beltsort, ModelError, BeltsortError, "A model that is not a sorting POMDP.");
-pyo3::create_exception!(
-    beltsort,
-    ArgumentError,
-    BeltsortError,
-    "An argument that does not fit the model or has no meaning."
 );
 pyo3::create_exception!(
     beltsort,
@@ -24,6 +19,37 @@ pyo3::create_exception!(
     "A label that has probability zero under the belief, which is left unchanged."
 );
 pyo3::create_exception!(beltsort, PolicyError, BeltsortError, "A policy that named no legal action.");
+
+/// An exception that is a `BeltsortError` and a `ValueError`: the macro takes one base only.
+macro_rules! value_error {
+    ($name:ident, $doc:literal) => {
+        pub struct $name;
+
+        impl $name {
+            fn type_object(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
+                static TYPE: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+                let made = TYPE.get_or_try_init(py, || {
+                    let bases = (py.get_type::<BeltsortError>(), py.get_type::<PyValueError>());
+                    let body = [("__doc__", $doc), ("__module__", "beltsort")].into_py_dict(py)?;
+                    let made = py.get_type::<PyType>().call1((stringify!($name), bases, body))?;
+                    PyResult::Ok(made.cast_into::<PyType>()?.unbind())
+                })?;
+                Ok(made.bind(py))
+            }
+
+            pub fn new_err(message: impl Into<String>) -> PyErr {
+                let message = message.into();
+                Python::attach(|py| match Self::type_object(py) {
+                    Ok(made) => PyErr::from_type(made.clone(), (message,)),
+                    Err(error) => error,
+                })
+            }
+        }
+    };
+}
+
+value_error!(ModelError, "A model that is not a sorting POMDP.");
+value_error!(ArgumentError, "An argument that does not fit the model or has no meaning.");
 
 /// The exception for an error of the core.
 pub fn to_python(error: Error) -> PyErr {
@@ -40,8 +66,8 @@ pub fn to_python(error: Error) -> PyErr {
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("BeltsortError", py.get_type::<BeltsortError>())?;
-    module.add("ModelError", py.get_type::<ModelError>())?;
-    module.add("ArgumentError", py.get_type::<ArgumentError>())?;
+    module.add("ModelError", ModelError::type_object(py)?)?;
+    module.add("ArgumentError", ArgumentError::type_object(py)?)?;
     module.add("ImpossibleObservationError", py.get_type::<ImpossibleObservationError>())?;
     module.add("PolicyError", py.get_type::<PolicyError>())
 }

@@ -9,7 +9,7 @@ use beltsort_core::{DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, S
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{self, Whole, count, scalar_or_matrix, tables};
+use crate::convert::{self, Given, Whole, count, scalar_or_matrix, tables};
 use crate::display::{displayed, immutable};
 use crate::errors::{ModelError, to_python};
 
@@ -32,37 +32,43 @@ impl PySortingModel {
     }
 }
 
+fn optional<T>(key: &str, value: Option<Given<T>>) -> PyResult<Option<T>> {
+    value.map(|value| value.of(key)).transpose()
+}
+
 #[pymethods]
 impl PySortingModel {
     #[new]
     #[pyo3(signature = (classes, viewpoints, p_obs, *, labels=None, bins=None, reward=None, modes=None,
-                        r_max=None, r_min=None, motion_cost=None, discount=DEFAULT_DISCOUNT, arrival=None, travel=None, observe_after_decision=false, repeat=None,
-                        information_gain=0.0, empty=None, label_rule=None, counts=None, smoothing=None, note=""))]
+                        r_max=None, r_min=None, motion_cost=None, discount=Given::Right(DEFAULT_DISCOUNT), arrival=None, travel=None, observe_after_decision=Given::Right(false), repeat=None,
+                        information_gain=Given::Right(0.0), empty=None, label_rule=None, counts=None, smoothing=None, note=Given::Right(String::new())))]
     #[allow(clippy::too_many_arguments)] // the keys of a model file
     fn new(
-        classes: Vec<String>,
-        viewpoints: Vec<String>,
+        classes: Given<Vec<String>>,
+        viewpoints: Given<Vec<String>>,
         p_obs: &Bound<'_, PyAny>,
-        labels: Option<Vec<String>>,
-        bins: Option<Vec<String>>,
+        labels: Option<Given<Vec<String>>>,
+        bins: Option<Given<Vec<String>>>,
         reward: Option<&Bound<'_, PyAny>>,
-        modes: Option<Vec<Vec<f64>>>,
-        r_max: Option<f64>,
-        r_min: Option<f64>,
+        modes: Option<Given<Vec<Vec<f64>>>>,
+        r_max: Option<Given<f64>>,
+        r_min: Option<Given<f64>>,
         motion_cost: Option<&Bound<'_, PyAny>>,
-        discount: f64,
-        arrival: Option<Vec<f64>>,
-        travel: Option<Vec<Vec<Whole>>>,
-        observe_after_decision: bool,
+        discount: Given<f64>,
+        arrival: Option<Given<Vec<f64>>>,
+        travel: Option<Given<Vec<Vec<Whole>>>>,
+        observe_after_decision: Given<bool>,
         repeat: Option<&Bound<'_, PyAny>>,
-        information_gain: f64,
-        empty: Option<String>,
-        label_rule: Option<&Bound<'_, PyDict>>,
+        information_gain: Given<f64>,
+        empty: Option<Given<String>>,
+        label_rule: Option<Given<Bound<'_, PyDict>>>,
         counts: Option<&Bound<'_, PyAny>>,
         smoothing: Option<&Bound<'_, PyAny>>,
-        note: &str,
+        note: Given<String>,
     ) -> PyResult<Self> {
-        let mut spec = ModelSpec::new(classes, viewpoints, tables("p_obs", p_obs)?);
+        let mut spec =
+            ModelSpec::new(classes.of("classes")?, viewpoints.of("viewpoints")?, tables("p_obs", p_obs)?);
+        let (r_max, r_min) = (optional("r_max", r_max)?, optional("r_min", r_min)?);
         if let Some(cost) = motion_cost {
             spec.motion_cost = scalar_or_matrix("motion_cost", cost)?;
         }
@@ -74,24 +80,24 @@ impl PySortingModel {
                  {key} out"
             )));
         }
-        spec.labels = labels;
-        spec.bins = bins;
+        spec.labels = optional("labels", labels)?;
+        spec.bins = optional("bins", bins)?;
         spec.reward =
             reward.map(|value| convert::rows("reward", value)).transpose().map_err(ModelError::new_err)?;
-        spec.modes = modes;
+        spec.modes = optional("modes", modes)?;
         spec.r_max = r_max.unwrap_or(DEFAULT_R_MAX);
         spec.r_min = r_min.unwrap_or(DEFAULT_R_MIN);
-        spec.discount = discount;
-        spec.arrival = arrival;
-        spec.travel = travel.map(convert::travel).transpose()?;
-        spec.observe_after_decision = observe_after_decision;
+        spec.discount = discount.of("discount")?;
+        spec.arrival = optional("arrival", arrival)?;
+        spec.travel = optional("travel", travel)?.map(convert::travel).transpose()?;
+        spec.observe_after_decision = observe_after_decision.of("observe_after_decision")?;
         spec.repeat = repeat.map(|value| scalar_or_matrix("repeat", value)).transpose()?;
-        spec.information_gain = information_gain;
-        spec.empty = empty;
-        spec.label_rule = label_rule.map(convert::json).transpose()?;
+        spec.information_gain = information_gain.of("information_gain")?;
+        spec.empty = optional("empty", empty)?;
+        spec.label_rule = optional("label_rule", label_rule)?.as_ref().map(convert::json).transpose()?;
         spec.counts = counts.map(convert::counts).transpose()?;
         spec.smoothing = smoothing.map(convert::smoothing).transpose()?;
-        spec.note = note.into();
+        spec.note = note.of("note")?;
         Self::checked(spec)
     }
 

@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use beltsort_core::{Action, Belief, Error, Policy, Result, SortingModel, Viewpoint};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
 use crate::actions;
 use crate::belief::PyBelief;
@@ -20,6 +21,12 @@ pub struct UserPolicy {
 
 impl UserPolicy {
     pub fn new(object: &Bound<'_, PyAny>, model: &PySortingModel) -> PyResult<Self> {
+        if let Ok(class) = object.cast::<PyType>() {
+            let name = class.name()?;
+            return Err(PolicyError::new_err(format!(
+                "policy is the class {name}, expected an object of it: give {name}(model), or what its constructor takes"
+            )));
+        }
         if !object.hasattr("act")? {
             return Err(PolicyError::new_err(format!(
                 "policy = {} has no method act; give Despot, LookAhead, Threshold, InformationGain, OneObject, or an object whose \

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::error::{Error, Result, model_error};
 use crate::names::nearest;
@@ -98,7 +99,7 @@ pub struct ModelSpec {
     /// How perception makes a label of what a classifier returns; kept here beside the tables that were counted with it,
     /// and not used by the planner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub label_rule: Option<serde_json::Value>,
+    pub label_rule: Option<Value>,
     /// Label counts behind `p_obs`, same shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts: Option<Tables<u64>>,
@@ -110,6 +111,8 @@ pub struct ModelSpec {
     pub note: String,
 }
 
+/// Characters of a wrong value that a message shows.
+const LONGEST_SHOWN: usize = 60;
 /// Reward of a right decision, unless the model says otherwise.
 pub const DEFAULT_R_MAX: f64 = 10.0;
 /// Penalty of a wrong decision, likewise.
@@ -194,7 +197,7 @@ impl ModelSpec {
     /// # Errors
     /// [`Error::Model`] if the text is not JSON, a key is unknown or missing, or a value has the wrong type.
     pub fn from_json(text: &str) -> Result<Self> {
-        let value: serde_json::Value =
+        let value: Value =
             serde_json::from_str(text).map_err(|e| Error::Model(format!("a model file is JSON: {e}")))?;
         let Some(fields) = value.as_object() else {
             return model_error(
@@ -213,7 +216,42 @@ impl ModelSpec {
         if let Some(key) = fields.keys().find(|key| !KEYS.contains(&key.as_str())) {
             return model_error(unknown_key(key));
         }
-        serde_json::from_value(value).map_err(|e| Error::Model(format!("model file: {e}")))
+        let wrong = fields.iter().find_map(|(key, value)| wrong_value(key, value));
+        let named = |e| Error::Model(wrong.unwrap_or_else(|| format!("model file: {e}")));
+        serde_json::from_value(value.clone()).map_err(named)
+    }
+
+    /// What is wrong with a value at `place` in a key, whose type is not that of the key.
+    #[must_use]
+    pub fn wrong_type(key: &str, place: &str, value: &str) -> String {
+        let expected = match key {
+            "classes" | "viewpoints" | "labels" | "bins" => {
+                "a list of names: write [\"nut\", \"bolt\"] for example"
+            }
+            "p_obs" => "numbers in four nested lists, (H, K, L, L) in the paper's model: correct it",
+            "counts" => "whole numbers, not negative, in the shape of p_obs: correct it",
+            "smoothing" => "a number, or numbers in the shape of p_obs: correct it",
+            "reward" => {
+                "a row for each bin, with a number for each class: write [[10, -50], [-50, 10]] for example"
+            }
+            "modes" => {
+                "a list for each class, with the weights of its modes: write [[0.5, 0.5], [1]] for example"
+            }
+            "arrival" => "a probability for each class: write [0.3, 0.7] for example",
+            "motion_cost" | "repeat" => "a number, or a list of rows of numbers: correct it",
+            "travel" => {
+                "for each viewpoint a list of the viewpoints' numbers that one move reaches: correct it"
+            }
+            "observe_after_decision" => "true or false: correct it",
+            "empty" => "the name of a class: write it in quotes",
+            "note" => "a text: write it in quotes",
+            "label_rule" => "a table of keys and values: correct it",
+            _ => "a number: write 10 for example",
+        };
+        let shown: String = value.chars().take(LONGEST_SHOWN).collect();
+        let cut = if shown.len() < value.len() { "..." } else { "" };
+        let of = if key == place { String::new() } else { format!("{key} to be ") };
+        format!("{place} is {shown}{cut}, expected {of}{expected}")
     }
 
     /// The model file as text.
@@ -250,6 +288,28 @@ impl ModelSpec {
     pub fn save(&self, path: &Path) -> Result<()> {
         std::fs::write(path, self.to_json()? + "\n")
             .map_err(|e| Error::Model(format!("{}: the model file cannot be written: {e}", path.display())))
+    }
+}
+
+/// What is wrong with the value of a key, if its type is; the innermost entry is named.
+fn wrong_value(key: &str, value: &Value) -> Option<String> {
+    let fails = |value: Value| {
+        let mut fields = serde_json::json!({"classes": [], "viewpoints": [], "p_obs": []});
+        fields[key] = value;
+        serde_json::from_value::<ModelSpec>(fields).is_err()
+    };
+    let (place, value) = fails(value.clone()).then(|| innermost(key.into(), value, &fails))?;
+    Some(ModelSpec::wrong_type(key, &place, &value.to_string()))
+}
+
+/// Place and value of the first entry that makes nested lists fail.
+fn innermost<'v>(place: String, value: &'v Value, fails: &dyn Fn(Value) -> bool) -> (String, &'v Value) {
+    let alone = |entry: Value| fails(Value::Array(vec![entry]));
+    let entries = value.as_array().into_iter().flatten().enumerate();
+    let wrong = entries.into_iter().find(|(_, entry)| alone((*entry).clone()));
+    match wrong {
+        Some((number, entry)) => innermost(format!("{place}[{number}]"), entry, &alone),
+        None => (place, value),
     }
 }
 
