@@ -4,18 +4,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from beltsort import Despot, SortingModel
+from beltsort import SortingModel
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import NOWHERE, Homing, KnowsClasses, Restorable, TellsPosition
 from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.check import CellCheck, ask_health
 from beltsort.cellfile.composed import ComposedCell, compose
 from beltsort.cellfile.description import CellDescription
-from beltsort.cellfile.problems import CellFileError
-from beltsort.cellfile.simulated import trainable_config
+from beltsort.cellfile.ingredients import model_and_classifier, model_file, policy_of
 from beltsort.errors import CellError
-from beltsort.perception import Classifier, PerceptionConfig, load_classifier, perception_for
-from beltsort.sim.prepare import Recipe, StageProgress, prepare
+from beltsort.perception import Classifier, perception_for
+from beltsort.planning.policy import Policy
+from beltsort.sim.prepare import StageProgress
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listener
 from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper
@@ -28,6 +28,7 @@ from beltsort.sorting.requests import drop_requests, taking_requests
 from beltsort.sorting.runs import (
     JOURNAL,
     LOCK,
+    POLICY,
     CallLog,
     make_folder,
     run_name,
@@ -51,6 +52,8 @@ class CellRun:
         The cell.
     model, classifier
         Those of the cell file, or prepared ones.
+    policy, policy_name
+        Chooses the actions; its name is kept in the run's folder.
     folder
         Folder of the run, created by `sort`.
     broken_off
@@ -65,6 +68,8 @@ class CellRun:
     cell: ComposedCell
     model: SortingModel
     classifier: Classifier
+    policy: Policy
+    policy_name: str
     folder: Path
     broken_off: Progress | None = None
     first: int | None = None
@@ -112,11 +117,10 @@ class CellRun:
         description = self.description
         settings = description.perception
         perception = perception_for(self.model, description.layout, self.classifier, settings)
-        planner = Despot(self.model, **description.planner.settings())
         if self.broken_off is not None:
             with Journal(self.folder / JOURNAL, listener, resume=True) as journal:
                 return resume_sorting(
-                    *(self.cell, perception, planner, journal),
+                    *(self.cell, perception, self.policy, journal),
                     rules=description.rules,
                     operator=operator,
                     drift=description.drift,
@@ -126,6 +130,7 @@ class CellRun:
                 )
         first = self._first_object()
         check_ready(self.cell)
+        (self.folder / POLICY).write_text(f"{self.policy_name}\n", "utf-8")
         true = true_class_of(self.devices)
         if true is not None:
             write_true_classes(self.folder, first, [true(first + n) for n in range(description.objects)])
@@ -133,7 +138,7 @@ class CellRun:
             self.folder,
             self.cell,
             perception,
-            planner,
+            self.policy,
             self.model,
             objects=description.objects,
             first=first,
@@ -197,7 +202,7 @@ def open_run(
     broken_off = None if resume is None else progress_in(resume / JOURNAL)
     model = None if broken_off is None else broken_off.model
     if model is None and description.prepare is None:
-        model = _model_file(description)
+        model = model_file(description)
     if model is not None:
         description = with_bins_of(model, description)
     calls = CallLog(runs / run_name() if resume is None else resume)
@@ -211,12 +216,15 @@ def open_run(
         restore(devices, broken_off)
     if cell.dry_run and resume is None:
         calls.folder = runs / f"{calls.folder.name}{DRY_RUN}"
-    model, classifier = _model_and_classifier(description, model, progress)
+    model, classifier = model_and_classifier(description, model, progress)
+    policy, name = policy_of(description, model, resume)
     return CellRun(
         description,
         cell,
         model,
         classifier,
+        policy,
+        name,
         calls.folder,
         broken_off,
         first,
@@ -303,28 +311,3 @@ def check_ready(cell: ComposedCell) -> None:
 def true_class_of(devices: Sequence[object]) -> Callable[[int], int | None] | None:
     """Return what tells the true class of an object by its number; None if no device knows classes."""
     return next((device.true_class for device in devices if isinstance(device, KnowsClasses)), None)
-
-
-def _model_file(description: CellDescription) -> SortingModel:
-    """Load the model that a cell file names."""
-    return SortingModel.load(description.path(description.model or ""))
-
-
-def _model_and_classifier(
-    description: CellDescription, model: SortingModel | None, progress: StageProgress | None
-) -> tuple[SortingModel, Classifier]:
-    """Load the files of the cell file, or prepare a simulated cell; a model that is given is kept."""
-    if description.prepare is not None:
-        perception = description.perception or PerceptionConfig()
-        amounts = description.prepare.model_dump()
-        prepared = prepare(Recipe(trainable_config(description), perception, **amounts), progress=progress)
-        own = prepared.counts.model(description.classes, description.viewpoint_names)
-        return model or own, prepared.database
-    classifier = load_classifier(description.classifier or "", description.path(""))
-    if tuple(classifier.classes) != description.classes:
-        raise CellFileError.of(
-            "classifier",
-            f"knows the classes {list(classifier.classes)}, expected {list(description.classes)}, in this "
-            "order: train it on these",
-        )
-    return model or _model_file(description), classifier

@@ -3,16 +3,19 @@
 Lengths are in metres, times in seconds, joint angles in radians, all other angles in degrees.
 """
 
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
+from beltsort import Despot, SortingModel
 from beltsort._core import DEFAULT_SCENARIOS
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.frames import from_matrix, from_quaternion
 from beltsort.cellfile.validation import Section
 from beltsort.geometry import Pose, look_at, on_sphere
-from beltsort.planning.named_policy import DEFAULT_TRIALS
+from beltsort.planning.named_policy import DEFAULT_TRIALS, named_policy
+from beltsort.planning.policy import Policy
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan
@@ -170,8 +173,14 @@ class Timeouts(Section):
 
 
 class Planner(Section):
-    """The planner's budget, `trials` or `seconds` (`DEFAULT_TRIALS` trials if neither), and its scenarios."""
+    """The policy that chooses the actions.
 
+    The other keys are for the policy "despot": its budget, `trials` or `seconds` (`DEFAULT_TRIALS` trials if
+    neither), and its scenarios.
+    """
+
+    policy: str = "despot"
+    """Name of a policy, as in `beltsort compare --policies`; paths start at the file's folder."""
     trials: PositiveInt | None = None
     """Trials per plan, reproducible."""
     seconds: PositiveFloat | None = None
@@ -187,7 +196,25 @@ class Planner(Section):
             raise ValueError(
                 f"trials is {self.trials} and seconds is {self.seconds}, expected one of them: leave one out"
             )
+        others = sorted(self.model_fields_set - {"policy"})
+        if self.policy != "despot" and others:
+            raise ValueError(
+                f'policy is "{self.policy}" and {others[0]} is {getattr(self, others[0])}, expected policy = '
+                f'"despot" beside it: leave {others[0]} out'
+            )
         return self
+
+    def policy_for(self, model: SortingModel, folder: Path) -> Policy:
+        """Return the policy.
+
+        Raises
+        ------
+        ArgumentError
+            As `named_policy`.
+        """
+        if self.policy == "despot":
+            return Despot(model, **self.settings())
+        return named_policy(self.policy, model, folder)
 
     def settings(self) -> dict[str, Any]:
         """Return the keyword arguments of `beltsort.Despot`."""

@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 
-from beltsort import ArgumentError, Despot, Evaluation, InformationGain, Policy, SortingModel, Threshold
+from beltsort import ArgumentError, Evaluation
 from beltsort import evaluate as simulate
 from beltsort._core import DEFAULT_INFORMATION_POSITIONS
 from beltsort.cli.arguments import (
@@ -11,12 +11,12 @@ from beltsort.cli.arguments import (
     add_json,
     add_model,
     add_simulation,
-    budget_of,
     load_model,
     simulation_of,
 )
 from beltsort.cli.output import print_json, print_table
 from beltsort.planning.bins import SortingStatistics, sorting_statistics, sorts_into_classes
+from beltsort.planning.named_policy import HELP, named_policy
 from beltsort.util.text import numbers_or_none
 
 BINS = """
@@ -28,18 +28,25 @@ OPTIONS_OF = {
     "information-gain": {"threshold", "positions_counted"},
 }
 
+EXAMPLE = "beltsort evaluate paper --policy threshold:0.94 --batches 100"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser("evaluate", help="simulate a policy and print its statistics")
     add_model(parser)
-    parser.add_argument("--policy", choices=OPTIONS_OF, required=True, help="kind of policy")
-    parser.add_argument("--threshold", type=float, metavar="T", help="decide at this probability or above")
+    parser.add_argument("--policy", required=True, metavar="POLICY", help=HELP)
+    parser.add_argument(
+        "--threshold",
+        type=float,
+        metavar="T",
+        help="T of --policy threshold:T or information-gain:T",
+    )
     parser.add_argument(
         "--positions-counted",
         type=int,
         metavar="N",
-        help="positions over which information is summed (information-gain; default: "
+        help="positions over which information-gain sums information (default: "
         f"{DEFAULT_INFORMATION_POSITIONS})",
     )
     add_budget(parser)
@@ -51,7 +58,7 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: Namespace) -> int:
     """Simulate and print."""
     model = load_model(arguments)
-    result = simulate(model, make_policy(arguments, model), **simulation_of(arguments, model))
+    result = simulate(model, named_policy(policy_word(arguments), model), **simulation_of(arguments, model))
     sorting = sorting_statistics(model, result)
     if arguments.json:
         show_json(arguments, result, sorting)
@@ -60,24 +67,27 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def make_policy(arguments: Namespace, model: SortingModel) -> Policy:
-    """Return the policy, after checking that it has the given options."""
-    every_option = set().union(*OPTIONS_OF.values())
-    for option in sorted(every_option - OPTIONS_OF[arguments.policy]):
+def policy_word(arguments: Namespace) -> str:
+    """Return the policy's name, in which the options that stand for its parameters are written out."""
+    word: str = arguments.policy
+    options = OPTIONS_OF.get(word, set())
+    for option in sorted(set().union(*OPTIONS_OF.values()) - options):
         if getattr(arguments, option) is not None:
             raise ArgumentError(
-                f"--{option.replace('_', '-')} means nothing to --policy {arguments.policy}; leave it out"
+                f"--{option.replace('_', '-')} means nothing to --policy {word}; leave it out"
             )
-    if arguments.policy == "despot":
-        return Despot(model, **budget_of(arguments))
+    if arguments.seconds is not None:
+        return f"{word}:{arguments.seconds!r}s"
+    if arguments.trials is not None:
+        return f"{word}:{arguments.trials}"
+    if "threshold" not in options:
+        return word
     if arguments.threshold is None:
-        raise ArgumentError(f"--policy {arguments.policy} needs --threshold, 0.94 for example")
-    if arguments.policy == "threshold":
-        return Threshold(model, arguments.threshold)
-    counted = arguments.positions_counted
-    return InformationGain(
-        model, arguments.threshold, DEFAULT_INFORMATION_POSITIONS if counted is None else counted
-    )
+        raise ArgumentError(
+            f"--policy {word} needs a threshold: write --policy {word}:0.94, or --threshold 0.94, for example"
+        )
+    counted = "" if arguments.positions_counted is None else f":{arguments.positions_counted}"
+    return f"{word}:{arguments.threshold!r}{counted}"
 
 
 def show_json(arguments: Namespace, result: Evaluation, sorting: SortingStatistics) -> None:

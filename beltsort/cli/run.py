@@ -12,6 +12,7 @@ from beltsort.cli.arguments import Subparsers, add_cell, add_json
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
 from beltsort.cli.output import print_cell_mode, print_json, print_status
 from beltsort.cli.progress import stage_progress
+from beltsort.planning.named_policy import HELP, located_policy
 from beltsort.sorting.holds import Answer, HeldError, Hold
 from beltsort.sorting.interrupts import Interrupts
 from beltsort.sorting.runs import JOURNAL
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from beltsort.cellfile.run import CellRun
     from beltsort.sorting.progress import Progress
     from beltsort.sorting.report import SortingReport
+
+EXAMPLE = "beltsort run examples/simulated.toml --objects 5"
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -40,6 +43,11 @@ def add_parser(subparsers: Subparsers) -> None:
         type=int,
         metavar="N",
         help="number of objects, empty cups included (default: that of the cell file)",
+    )
+    parser.add_argument(
+        "--policy",
+        metavar="POLICY",
+        help=f"chooses the actions, in place of [planner] in the cell file: {HELP}",
     )
     parser.add_argument(
         "--resume", type=Path, metavar="RUN", help="folder of an interrupted or held run to resume"
@@ -198,14 +206,17 @@ def resume_command(arguments: Namespace, opened: "CellRun") -> list[str]:
     words += ["--allow-hold"] if arguments.allow_hold else []
     if arguments.objects is not None:
         words += ["--objects", str(arguments.objects)]
+    if arguments.policy is not None:
+        words += ["--policy", arguments.policy]
     if (opened.folder / JOURNAL).exists():
         words += ["--resume", str(opened.folder)]
     return words
 
 
 def load_description(arguments: Namespace) -> "CellDescription":
-    """Read the cell file and apply `--objects`."""
+    """Read the cell file and apply `--objects` and `--policy`."""
     from beltsort.cellfile.description import CellDescription
+    from beltsort.cellfile.sections import Planner
 
     description = CellDescription.load(arguments.cell)
     first = arguments.first_object
@@ -216,11 +227,14 @@ def load_description(arguments: Namespace) -> "CellDescription":
             f"--first-object {first} is for a new run, and --resume {arguments.resume} continues with the "
             "object of its journal: leave one out"
         )
-    if arguments.objects is None:
-        return description
-    if arguments.objects < 1:
+    changes: dict[str, object] = {}
+    if arguments.policy is not None:
+        changes["planner"] = Planner(policy=located_policy(arguments.policy, Path().resolve()))
+    if arguments.objects is not None and arguments.objects < 1:
         raise ArgumentError(f"--objects is {arguments.objects}, expected at least 1; give a positive number")
-    return description.model_copy(update={"objects": arguments.objects})
+    if arguments.objects is not None:
+        changes["objects"] = arguments.objects
+    return description.model_copy(update=changes)
 
 
 def print_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:

@@ -9,20 +9,20 @@ The object is a `Classifier` or a `ProbabilityClassifier`, or it returns one whe
 arguments: a class, or a function that loads a network.
 """
 
-import re
-import sys
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from beltsort.errors import DatabaseError
 from beltsort.perception.classifier import Classifier
 from beltsort.perception.kernel_ridge import load_trained
 from beltsort.perception.probabilities import FromProbabilities, ProbabilityClassifier
+from beltsort.util import references
+from beltsort.util.references import loaded, object_of
 
 GROUP = "beltsort.classifier"
 DATABASE = ".npz"
-REFERENCE = re.compile(r"[^\W\d][\w.]*:[^\W\d][\w.]*")
+WHAT = "classifier"
 
 
 def load_classifier(name: str, folder: Path | None = None) -> Classifier:
@@ -54,12 +54,10 @@ correct the name, or install what it needs
     if (folder / name).exists():
         return load_trained(folder / name)
     if is_reference(name):
-        if (path := str(folder.resolve())) not in sys.path:
-            sys.path.append(path)
-        return _loaded(EntryPoint(name, name, GROUP))
+        return _classifier(object_of(name, folder, WHAT, DatabaseError), name)
     installed = {entry.name: entry for entry in entry_points(group=GROUP)}
     if name in installed:
-        return _loaded(installed[name])
+        return _classifier(loaded(installed[name], WHAT, DatabaseError), name)
     return load_trained(folder / name)
 
 
@@ -71,31 +69,19 @@ def is_reference(name: str) -> bool:
     >>> [is_reference(name) for name in ("nets.bulbs:CLASSIFIER", "bulbs.npz", "C:bulbs.npz", "acme")]
     [True, False, False, False]
     """
-    return not name.endswith(DATABASE) and REFERENCE.fullmatch(name) is not None
+    return not name.endswith(DATABASE) and references.is_reference(name)
 
 
-def _loaded(entry: EntryPoint) -> Classifier:
-    shown = f"the classifier {entry.name!r} cannot be loaded"
-    try:
-        found = entry.load()
-    except (ImportError, AttributeError) as reason:
-        raise DatabaseError(
-            f"{shown}: {reason}; expected module:object, both of them there: correct the name, or install "
-            "what it needs"
-        ) from reason
-    except Exception as reason:  # whatever the module's own code raises
-        raise DatabaseError(
-            f"{shown}: {type(reason).__name__}: {reason}; expected a module that can be imported: correct it"
-        ) from reason
+def _classifier(found: Any, name: str) -> Classifier:
     if callable(found) and (isinstance(found, type) or not _is_classifier(found)):
         try:
             found = found()
         except Exception as reason:  # whatever the function that loads a network raises
             raise DatabaseError(
-                f"{shown}: {type(reason).__name__}: {reason}; expected a classifier, or an object that "
-                "returns one when it is called without arguments: correct it"
+                f"the classifier {name!r} cannot be loaded: {type(reason).__name__}: {reason}; expected a "
+                "classifier, or an object that returns one when it is called without arguments: correct it"
             ) from reason
-    return as_classifier(found, entry.name)
+    return as_classifier(found, name)
 
 
 def as_classifier(given: Classifier | ProbabilityClassifier, name: str | None = None) -> Classifier:

@@ -22,6 +22,8 @@ from beltsort.sorting.rules import Drift, Rules
 
 JOURNAL, MODEL, CALLS, LOCK = "journal.sqlite", "model.json", "calls.jsonl", "lock"
 TRUTH = "true-classes.json"
+POLICY = "policy.txt"
+"""The name of the policy, in the folder of a run with a cell file."""
 
 
 def make_folder(folder: Path) -> Path:

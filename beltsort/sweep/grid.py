@@ -2,7 +2,6 @@
 
 import hashlib
 import itertools
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from beltsort.errors import SweepError
+from beltsort.planning.named_policy import located_policy, plans_by_the_clock, solution_file
 from beltsort.sweep.file import SweepFile
 from beltsort.sweep.parameters import DESPOT, axes_of
 
@@ -89,7 +89,7 @@ def _check(sweep: SweepFile, axes: Mapping[str, list[Any]]) -> None:
     for policy in policies:
         if not isinstance(policy, str):
             raise SweepError(f'a policy is {policy!r}, expected a word: "threshold:0.94" for example')
-        if re.fullmatch(r"solution|(solution|despot):[\d.]+s", policy):
+        if plans_by_the_clock(policy):
             raise SweepError(
                 f"the policy {policy!r} plans by the clock, so its rows would depend on the machine; give "
                 "trials (despot:300), or a file that `beltsort solve` wrote (solution:FILE)"
@@ -129,9 +129,8 @@ def _located(values: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         located["model.file"] = str(folder / located["model.file"])
     if "cell.meshes" in located:
         located["cell.meshes"] = {name: str(folder / file) for name, file in located["cell.meshes"].items()}
-    policy = located.get("planner.policy", "")
-    if policy.startswith("solution:"):
-        located["planner.policy"] = f"solution:{folder / policy.removeprefix('solution:')}"
+    if "planner.policy" in located:
+        located["planner.policy"] = located_policy(located["planner.policy"], folder)
     return located
 
 
@@ -141,5 +140,5 @@ def _files(name: str, value: Any) -> Iterable[str]:
             yield value
         case "cell.meshes":
             yield from value.values()
-        case "planner.policy" if value.startswith("solution:"):
-            yield value.removeprefix("solution:")
+        case "planner.policy" if (file := solution_file(value)) is not None:
+            yield file

@@ -1,6 +1,6 @@
 """Look-up of names, with suggestions for unknown ones."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 from beltsort._core import ArgumentError
@@ -54,5 +54,10 @@ def split_names(text: str, names: Sequence[str]) -> list[str]:
 
 def nearest_of(text: str, names: Sequence[str]) -> str:
     """Return a message that suggests the nearest name and lists all names."""
-    (nearest,) = get_close_matches(text, names, n=1, cutoff=0.0)
-    return f"did you mean {nearest!r}? Known: {', '.join(names)}"
+    return f"did you mean {nearest_name(text, names)!r}? Known: {', '.join(names)}"
+
+
+def nearest_name(text: str, names: Iterable[str]) -> str:
+    """Return the name that is most similar to a text."""
+    (nearest,) = get_close_matches(text, list(names), n=1, cutoff=0.0)
+    return nearest

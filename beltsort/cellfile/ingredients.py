@@ -1,0 +1,58 @@
+"""What a run needs besides the devices: model, classifier and policy."""
+
+from pathlib import Path
+
+from beltsort import ArgumentError, SortingModel
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.sections import Planner
+from beltsort.cellfile.simulated import trainable_config
+from beltsort.perception import Classifier, PerceptionConfig, load_classifier
+from beltsort.planning.named_policy import located_policy
+from beltsort.planning.policy import Policy
+from beltsort.sim.prepare import Recipe, StageProgress, prepare
+from beltsort.sorting.runs import POLICY
+
+
+def model_file(description: CellDescription) -> SortingModel:
+    """Load the model that a cell file names."""
+    return SortingModel.load(description.path(description.model or ""))
+
+
+def policy_of(description: CellDescription, model: SortingModel, resume: Path | None) -> tuple[Policy, str]:
+    """Return the policy and its name: of a run that is resumed, the one with which it began."""
+    planner, folder = description.planner, description.path("")
+    name = located_policy(planner.policy, folder.resolve())
+    if resume is not None and (resume / POLICY).is_file():
+        began = (resume / POLICY).read_text("utf-8").strip()
+        if "policy" in planner.model_fields_set and began != name:
+            raise CellFileError.of(
+                "planner.policy",
+                f'is "{name}", but the run began with "{began}": write policy = "{began}", or leave it out',
+            )
+        if began != name:
+            name, planner = began, Planner(policy=began)
+    try:
+        return planner.policy_for(model, folder), name
+    except ArgumentError as reason:
+        raise CellFileError.of("planner.policy", str(reason)) from reason
+
+
+def model_and_classifier(
+    description: CellDescription, model: SortingModel | None, progress: StageProgress | None
+) -> tuple[SortingModel, Classifier]:
+    """Load the files of the cell file, or prepare a simulated cell; a model that is given is kept."""
+    if description.prepare is not None:
+        perception = description.perception or PerceptionConfig()
+        amounts = description.prepare.model_dump()
+        prepared = prepare(Recipe(trainable_config(description), perception, **amounts), progress=progress)
+        own = prepared.counts.model(description.classes, description.viewpoint_names)
+        return model or own, prepared.database
+    classifier = load_classifier(description.classifier or "", description.path(""))
+    if tuple(classifier.classes) != description.classes:
+        raise CellFileError.of(
+            "classifier",
+            f"knows the classes {list(classifier.classes)}, expected {list(description.classes)}, in this "
+            "order: train it on these",
+        )
+    return model or model_file(description), classifier
