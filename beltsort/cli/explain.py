@@ -7,19 +7,34 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
 from beltsort.planning.explanation import action_in_words, explain, tree_in_names
-from beltsort.sorting.audit import Step, entries_of, incidents_of, step_of
+from beltsort.sorting.audit import (
+    ObjectHistory,
+    Step,
+    entries_of,
+    incidents_of,
+    object_history,
+    step_of,
+)
+from beltsort.sorting.entries import Decided, Skipped
 from beltsort.sorting.entry_text import EntryFormatter
+
+EXAMPLE = "beltsort explain runs/2026-01-31T12-00-00.000000Z --object 3"
 
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
     parser = subparsers.add_parser(
         "explain",
-        help="explain an action of a run",
-        description="Print the belief at one planner step of a run, and why its action was chosen.",
+        help="explain an action or a decision of a run",
+        description="Print the belief at one planner step of a run, and why its action was chosen; or all "
+        "looks at one object with the belief after each, and why it was decided as it was.",
     )
     add_run(parser)
-    parser.add_argument("--step", type=int, required=True, metavar="N", help="planner step, from 1")
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--step", type=int, metavar="N", help="planner step, from 1")
+    what.add_argument(
+        "--object", type=int, metavar="N", help="number of an object, as `beltsort show` prints it"
+    )
     parser.add_argument(
         "--depth",
         type=int,
@@ -32,8 +47,15 @@ def add_parser(subparsers: Subparsers) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Find the step, plan again from its belief, and print."""
+    """Find the step or the object, plan again from the belief, and print."""
     entries = entries_of(arguments.folder)
+    if arguments.object is not None:
+        history = object_history(entries, arguments.object)
+        if arguments.json:
+            print_json({"object": arguments.object, **object_as_json(history, arguments.depth)})
+        else:
+            show_object(history, arguments.object, arguments.depth)
+        return 0
     step = step_of(entries, arguments.step)
     failures = list(incidents_of(entries, step))
     if arguments.json:
@@ -79,7 +101,14 @@ def show(step: Step, depth: int) -> None:
             f"\nAfter {step.alarms} drift alarms: belief and values are based on observation tables that no "
             "longer hold."
         )
-    print(f"\nIt was chosen to {action_in_words(model, step.action)}.")
+    print()
+    show_reason(step, depth)
+
+
+def show_reason(step: Step, depth: int) -> None:
+    """Print why the step's action was chosen."""
+    model = step.model
+    print(f"It was chosen to {action_in_words(model, step.action)}.")
     if step.reason is not None:
         print(f"A rule chose: {step.reason}.")
         return
@@ -93,3 +122,58 @@ def show(step: Step, depth: int) -> None:
             "(Planning again with the same number of trials gives another action, since the budget was in "
             "seconds.)"
         )
+
+
+def object_as_json(history: ObjectHistory, depth: int) -> dict[str, object]:
+    """Return the history of an object as plain data."""
+    model = history.model
+    looks = [
+        {
+            "step": look.step,
+            "time": look.entry.time,
+            "viewpoint": model.viewpoints[look.viewpoint],
+            "position": look.position,
+            "label": None if look.label is None else model.labels[look.label],
+            "finding": look.finding,
+            "belief": look.belief,
+        }
+        for look in history.looks
+    ]
+    outcome: dict[str, object] | None = None
+    match history.outcome:
+        case Decided() as made:
+            decided = None if made.label is None else model.bins[made.label]
+            outcome = {"decided": decided, "belief": made.belief, "looks": made.looks, "forced": made.forced}
+        case Skipped():
+            outcome = {"skipped": True}
+    why = None if history.step is None else as_json(history.step, depth)
+    return {"looks": looks, "outcome": outcome, "decision_step": why}
+
+
+def show_object(history: ObjectHistory, number: int, depth: int) -> None:
+    """Print the looks at an object, and why it was decided as it was."""
+    model = history.model
+    print(f"Object {number}, {len(history.looks)} looks. Belief after each:")
+    rows = [
+        [
+            str(look.step),
+            model.viewpoints[look.viewpoint],
+            str(look.position),
+            look.finding if look.label is None else model.labels[look.label],
+            *(f"{p:.3f}" for p in look.belief),
+        ]
+        for look in history.looks
+    ]
+    if rows:
+        print_table([["step", "from", "position", "label", *model.classes], *rows])
+    match history.outcome:
+        case Decided() as made:
+            into = "the reject bin" if made.label is None else model.bins[made.label]
+            print(f"\nDecided after {made.looks} looks: {into}, right with {100 * made.belief:.1f} %.")
+        case Skipped():
+            print("\nIts cup was skipped as empty.")
+        case None:
+            print("\nIt has not been decided.")
+    if history.step is not None:
+        print(f"Step {history.step.number}: ", end="")
+        show_reason(history.step, depth)

@@ -18,7 +18,9 @@ from beltsort.sorting.entries import (
     Planned,
     Resumed,
     ScanElsewhere,
+    Scanned,
     ScanUnusable,
+    Skipped,
     Started,
 )
 from beltsort.sorting.journal import Entry, read_journal
@@ -182,6 +184,91 @@ def step_of(entries: Sequence[Entry], number: int) -> Step:
         known = "no steps" if first is None else f"steps {first} to {last}"
         raise JournalError(f"there is no step {number}; the journal has {known}")
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A look at one object.
+
+    Attributes
+    ----------
+    entry
+        The scan.
+    step
+        The planner step of the scan.
+    viewpoint, position
+        Where the camera was, and the object: position 0 is the belt end.
+    label
+        Index of the label, or None if the object got none.
+    finding
+        What perception found there.
+    belief
+        Probability of each class after the look, shape (L,).
+    """
+
+    entry: Entry
+    step: int
+    viewpoint: int
+    position: int
+    label: int | None
+    finding: str
+    belief: list[float]
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectHistory:
+    """What is known of one object of a run.
+
+    Attributes
+    ----------
+    model
+        The model of the run.
+    looks
+        All looks at the object, in order.
+    outcome
+        Its decision, or that its cup was skipped as empty; None if it has not come to that.
+    step
+        The planner step that chose the decision; None if there is none.
+    """
+
+    model: SortingModel
+    looks: list[Look]
+    outcome: Decided | Skipped | None
+    step: Step | None
+
+
+def object_history(entries: Sequence[Entry], number: int) -> ObjectHistory:
+    """Return the looks at an object, and its decision.
+
+    Raises
+    ------
+    JournalError
+        If no entry is about this object; the error names those that it has.
+    """
+    progress = Progress.at_start(model_of(entries))
+    looks: list[Look] = []
+    outcome: Decided | Skipped | None = None
+    seen: set[int] = set()
+    for entry in entries:
+        content = entry.content
+        if isinstance(content, Decided | Skipped) and progress.index == number:
+            outcome = content
+        progress.apply(entry)
+        if isinstance(content, Scanned):
+            seen.update(range(progress.index, progress.index + progress.model.positions))
+            position = number - progress.index
+            if 0 <= position < progress.model.positions:
+                found = content.labels[position], content.findings[position]
+                belief = progress.belief.probabilities[position].tolist()
+                looks.append(Look(entry, progress.steps, content.viewpoint, position, *found, belief))
+        elif isinstance(content, Decided | Skipped):
+            seen.add(entry.object if entry.object is not None else progress.index)
+    if number not in seen:
+        known = f"objects {min(seen)} to {max(seen)}" if seen else "no objects"
+        raise JournalError(f"there is no object {number}; the journal has {known}")
+    chosen = [step for step in steps_of(entries) if step.entry.object == number]
+    decided = bool(chosen) and isinstance(outcome, Decided) and isinstance(chosen[-1].action, Decide)
+    return ObjectHistory(progress.model, looks, outcome, chosen[-1] if decided else None)
 
 
 def incidents_of(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:

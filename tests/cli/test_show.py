@@ -74,3 +74,27 @@ def test_errors_are_one_line(
     done = command(*(argument.format(folder=sorted_run[0]) for argument in arguments))
     assert done.returncode == 2
     assert re.fullmatch(rf"beltsort: error: .*{message}.*\n", done.stderr)
+
+
+def test_explain_an_object(sorted_run: tuple[Path, SortingReport]) -> None:
+    folder, report = sorted_run
+    decision = report.decisions[3]
+    told = json_of("explain", str(folder), "--object", str(decision.object))
+    assert told["object"] == decision.object
+    assert told["outcome"]["looks"] == decision.looks == len(told["looks"])
+    assert told["outcome"]["belief"] == pytest.approx(max(told["looks"][-1]["belief"]))
+    assert [look["step"] for look in told["looks"]] == sorted(look["step"] for look in told["looks"])
+    why = told["decision_step"]
+    assert why["object"] == decision.object
+    assert why["belief"][0] == pytest.approx(told["looks"][-1]["belief"])
+    assert why["same_again"] is True
+    text = output("explain", str(folder), "--object", str(decision.object))
+    assert len(re.findall(r"^ +\d+ +p\d +[01] ", text, re.MULTILINE)) == len(told["looks"])
+    assert f"Decided after {decision.looks} looks: {told['outcome']['decided']}, right with" in text
+    assert re.search(r"Deciding \w+ now is right with \d+ % and worth", text)
+
+
+def test_an_object_that_the_run_does_not_have(sorted_run: tuple[Path, SortingReport]) -> None:
+    done = command("explain", str(sorted_run[0]), "--object", "99")
+    assert done.returncode == 2
+    assert re.search(r"there is no object 99; the journal has objects 0 to \d+", done.stderr)
