@@ -1,8 +1,8 @@
 """The command line: one file per command.
 
-Each command's file defines `add_parser(subparsers)`, which sets the parser's default `run`: a function of the
-arguments that returns the exit code. Results are printed on standard output, everything else on standard
-error.
+Each command's file defines `EXAMPLE`, a command line, and `add_parser(subparsers)`, which sets the parser's
+default `run`: a function of the arguments that returns the exit code. Results are printed on standard output,
+everything else on standard error.
 """
 
 import os
@@ -10,7 +10,6 @@ import select
 import shlex
 import signal
 import sys
-from argparse import ArgumentParser
 from collections.abc import Sequence
 
 from beltsort import BeltsortError, __version__
@@ -22,6 +21,7 @@ from beltsort.cli import (
     check,
     classify,
     compare,
+    completion,
     demo,
     estimate,
     evaluate,
@@ -43,34 +43,17 @@ from beltsort.cli import (
     watch,
 )
 from beltsort.cli.output import warnings_on_lines
+from beltsort.cli.parser import Parser, add_commands
 from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.sorting.interrupts import Interrupted
 
-COMMANDS = (
-    demo,
-    run,
-    home,
-    check,
-    example,
-    info,
-    plan,
-    evaluate,
-    compare,
-    sweep,
-    solve,
-    export,
-    viewpoints,
-    train,
-    classify,
-    estimate,
-    prepare,
-    calibrate_belt,
-    calibrate_check,
-    show,
-    watch,
-    explain,
-    reproduce,
-)
+GROUPS = {
+    "sort": (demo, run, example, check, home, show, watch, explain),
+    "plan": (plan, evaluate, compare, sweep, solve, export, info),
+    "perceive": (train, classify, estimate, prepare, viewpoints, calibrate_belt, calibrate_check),
+    "paper": (reproduce,),
+    "shell": (completion,),
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -87,9 +70,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit code, one of `beltsort.cli.exit_codes`.
     """
     given = sys.argv[1:] if argv is None else list(argv)
-    arguments = parser().parse_args(given)
-    arguments.command_line = shlex.join(["beltsort", *given])
+    commands = parser()
+    if completion.wanted():
+        completion.complete(commands)
     try:
+        arguments = commands.parse_args(given)
+        arguments.command_line = shlex.join(["beltsort", *given])
         with warnings_on_lines():
             code: int = arguments.run(arguments)
             sys.stdout.flush()
@@ -138,11 +124,9 @@ def code_of(error: Exception) -> int:
     return exit_codes.WRONG
 
 
-def parser() -> ArgumentParser:
+def parser() -> Parser:
     """Return the parser of all commands."""
-    top = ArgumentParser("beltsort", description="Sort objects from a conveyor belt by active perception.")
+    top = Parser("beltsort", description="Sort objects from a conveyor belt by active perception.")
     top.add_argument("--version", action="version", version=f"beltsort {__version__}")
-    subparsers = top.add_subparsers(metavar="COMMAND", required=True)
-    for command in COMMANDS:
-        command.add_parser(subparsers)
+    add_commands(top, GROUPS)
     return top

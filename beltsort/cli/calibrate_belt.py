@@ -22,6 +22,8 @@ end; the tallest object first) and `world_from_camera` (see docs/cell.md, "A fir
 find `flange_from_camera` as well, from scans with `world_from_flange` instead.
 """
 
+EXAMPLE = "beltsort calibrate-belt scans.jsonl -o belt.toml"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

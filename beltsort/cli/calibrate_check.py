@@ -30,6 +30,8 @@ simulated cell are compared: tables without and with the dependence of repeated 
 with modes for labels with confidence levels.
 """
 
+EXAMPLE = "beltsort calibrate-check --objects 100"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from beltsort.cellfile.composed import ComposedCell
     from beltsort.cellfile.description import CellDescription
 
+EXAMPLE = "beltsort check examples/simulated.toml"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

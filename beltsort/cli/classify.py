@@ -17,6 +17,8 @@ from beltsort.util.text import number_or_none
 
 DISTANCES = ("distance", "runner_up_distance")
 
+EXAMPLE = "beltsort classify bulbs.npz scan.pcd"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

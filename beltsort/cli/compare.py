@@ -8,6 +8,8 @@ from beltsort.cli.arguments import Subparsers, add_json, add_model, add_simulati
 from beltsort.cli.output import print_json
 from beltsort.planning.named_policy import HELP, named_policy
 
+EXAMPLE = "beltsort compare paper --policies despot:100 threshold:0.94 one-object --batches 100"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from beltsort.sim.prepare import Prepared
 
+EXAMPLE = "beltsort demo"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -29,6 +29,8 @@ the same command resumes after an interruption, and more --objects or more recor
 exit code is 2 if no object gets a label, for example because the poses are wrong.
 """
 
+EXAMPLE = "beltsort estimate simulated -o model.json --objects 200"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

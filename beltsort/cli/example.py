@@ -8,6 +8,8 @@ from beltsort.cellfile.example import example, examples
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_status, print_table
 
+EXAMPLE = "beltsort example"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

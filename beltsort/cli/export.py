@@ -9,6 +9,8 @@ from beltsort.cli.output import print_json
 
 FORMAT = ".pomdp"
 
+EXAMPLE = "beltsort export paper paper.pomdp"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

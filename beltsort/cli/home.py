@@ -11,6 +11,8 @@ Set the number of the object at the belt end, after you have checked it: when th
 started, or after a fault. Nothing moves. No other command homes a belt on its own.
 """
 
+EXAMPLE = "beltsort home cell.toml 12 --live"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -13,6 +13,8 @@ from beltsort.util.machine import processors
 
 PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "pydantic", "rich")
 
+EXAMPLE = "beltsort info"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -20,6 +20,8 @@ from beltsort.util.naming import index_of, split_names
 
 NOTHING_SEEN = "-"
 
+EXAMPLE = "beltsort plan paper --observe p1=livarno,standard --explain"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -19,6 +19,8 @@ to a folder, with the settings and versions (about.json). In a checkout, `-o bel
 updates the files that come with the package.
 """
 
+EXAMPLE = "beltsort prepare -o simulated_cell"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

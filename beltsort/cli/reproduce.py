@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 FOLDER = "reproduction"
 
+EXAMPLE = "beltsort reproduce --quick -o reproduction"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

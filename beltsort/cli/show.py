@@ -13,6 +13,8 @@ from beltsort.sorting.journal import Entry
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.runs import plain_decision
 
+EXAMPLE = "beltsort show runs/2026-01-31T12-00-00.000000Z"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -19,6 +19,8 @@ are stored: the same command resumes after an interruption. docs/sweep.md descri
 """
 CERTIFICATES = ("tls_ca", "tls_cert", "tls_key")
 
+EXAMPLE = "beltsort sweep sweep.toml --workers 2"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -33,6 +33,8 @@ SEED = 0
 MOST_SUSPECTS = 10
 """Suspects that are listed; the others are counted."""
 
+EXAMPLE = "beltsort train clouds/ -o bulbs.npz"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 FORMAT = ".json"
 BASE_EXAMPLE = "--base=-0.4,0,0,0"
 
+EXAMPLE = "beltsort viewpoints viewpoints.json --count 6"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""

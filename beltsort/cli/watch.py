@@ -18,6 +18,8 @@ LARGEST_PORT = 65_535
 NICENESS = 10
 """Added to the process's own, so that explaining plans takes no time from a run on the same computer."""
 
+EXAMPLE = "beltsort watch runs/2026-01-31T12-00-00.000000Z"
+
 
 def add_parser(subparsers: Subparsers) -> None:
     """Add the command."""
