@@ -29,9 +29,9 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print the script."""
-    import argcomplete
+    from argcomplete.shell_integration import shellcode
 
-    print(argcomplete.shellcode(["beltsort"], shell=arguments.shell))
+    print(shellcode(["beltsort"], shell=arguments.shell))
     return 0
 
 

@@ -22,8 +22,8 @@ class HelpLines(HelpFormatter):
 class Parser(ArgumentParser):
     """A parser that suggests the nearest command, choice or option for one that it does not know."""
 
-    def __init__(self, *arguments: Any, **settings: Any) -> None:
-        super().__init__(*arguments, formatter_class=HelpLines, **settings)
+    def __init__(self, prog: str | None = None, **settings: Any) -> None:
+        super().__init__(prog, formatter_class=HelpLines, **settings)
         self._given: Sequence[str] = ()
 
     def parse_known_args(  # type: ignore[override]  # as argparse calls it, without its overloads

@@ -48,8 +48,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> str:
 def test_a_reader_that_has_left(arguments: list[str], folder: str) -> None:
     words = [folder if word == "RUN" else word for word in arguments]
     command = [sys.executable, "-m", "beltsort", *words]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(command, **pipes, text=True, env=BUFFERED) as process:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=BUFFERED
+    ) as process:
         assert process.stdout is not None
         assert process.stderr is not None
         process.stdout.close()
