@@ -142,7 +142,10 @@ class Solution:
     def __deepcopy__(self, _memo: object) -> Solution: ...
 
 def solve(
-    model: SortingModel, *, seconds: float = ..., progress: Callable[[float, float], object] | None = None,
+    model: SortingModel,
+    *,
+    seconds: float = ...,
+    progress: Callable[[float, float], object] | None = None,
     stop: Callable[[], object] | None = None,
 ) -> Solution:
     """Solve a model offline, with a certificate: ``lower <= V*(b0) <= upper``.

@@ -65,8 +65,8 @@ def compare(
     Raises
     ------
     ArgumentError
-        If there is no mapping, or one of fewer than two policies, the baseline or a metric is unknown, the reference can bound
-        neither regrets nor losses, or `evaluate` rejects an argument.
+        If there is no mapping, or one of fewer than two policies, the baseline or a metric is unknown, the
+        reference can bound neither regrets nor losses, or `evaluate` rejects an argument.
 
     Examples
     --------

@@ -18,7 +18,6 @@ use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 use plan_set::{ConditionalPlan, PlanSet};
-pub(crate) use solve::viewpoint_groups;
 
 /// Plans for one object, and what executing the best of them for ever is worth.
 #[derive(Debug, Clone)]
@@ -130,4 +129,24 @@ impl OneObjectPolicy {
 #[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// The group of each viewpoint, and the number of groups.
+pub(crate) fn viewpoint_groups(model: &SortingModel) -> (Vec<usize>, usize) {
+    let moves = |from| -> Vec<(Viewpoint, u64)> {
+        let cost = |to| model.motion_cost(from, to).to_bits();
+        model.legal_moves(from).iter().map(|&to| (to, cost(to))).collect()
+    };
+    let mut kinds: Vec<Vec<(Viewpoint, u64)>> = Vec::new();
+    let group_of = model
+        .viewpoints()
+        .map(|from| {
+            let kind = moves(from);
+            kinds.iter().position(|known| *known == kind).unwrap_or_else(|| {
+                kinds.push(kind);
+                kinds.len() - 1
+            })
+        })
+        .collect();
+    (group_of, kinds.len())
 }

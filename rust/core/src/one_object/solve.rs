@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::plan_set::{ConditionalPlan, PlanSet};
 use super::reachable::reachable_beliefs;
-use super::{OneObjectPolicy, dot};
+use super::{OneObjectPolicy, dot, viewpoint_groups};
 use crate::belief::joint;
 use crate::config::NEVER;
 use crate::index::{Bin, Kind, Position, Viewpoint};
@@ -26,12 +26,19 @@ const MOST_OBJECTS: usize = 2000;
 const SWEEPS: usize = 200;
 /// Convergence tolerance of value iteration: the largest change of a point's value in one sweep, in units of `r_max`.
 const SWEEP_TOLERANCE: f64 = 1e-4;
+/// A move worth less than the best plan at a point by more than this, in units of `r_max`, is left out there until the next
+/// sweep that tries all moves: every so many sweeps, and before the iteration ends.
+const CONTENDING: f64 = 3e-2;
+const ALL_MOVES_EVERY: usize = 8;
 /// Convergence tolerance of policy iteration: the rise of an unseen object's value in one round, in units of `r_max`.
 const ROUND_TOLERANCE: f64 = 1e-6;
 /// A plan is pruned if the others lose less than this without it at every point, in units of `r_max`.
 const PRUNING_TOLERANCE: f64 = 3e-2;
 /// Most rounds of policy iteration; it converges in a few.
 const ROUNDS: usize = 100;
+
+/// The moves that contend at a point.
+type Moves = Vec<Viewpoint>;
 
 impl OneObjectPolicy {
     /// Solve the one-object problem of a model. Deterministic.
@@ -45,19 +52,36 @@ impl OneObjectPolicy {
         let points = reachable_beliefs(model, stop);
         let mut policy = Self::deciding_at_once(model);
         let mut values = policy.values_at(&points, stop);
-        for _ in 0..SWEEPS {
-            let groups = 0..policy.group_count();
-            policy.plans = groups.map(|group| policy.backed_up(model, group, &points, stop)).collect();
+        let mut contending = vec![vec![Vec::new(); points.len()]; policy.group_count()];
+        let mut settled = false;
+        for sweep in 0..SWEEPS {
+            let all_moves = settled || sweep % ALL_MOVES_EVERY == 0;
+            if all_moves {
+                policy.all_contend(model, &mut contending);
+            }
+            let groups = contending.iter_mut().enumerate();
+            let back_up = |(group, moves): (usize, &mut Vec<Moves>)| {
+                policy.backed_up(model, group, &points, moves, stop)
+            };
+            policy.plans = groups.map(back_up).collect();
             policy.evaluate_arrival(model);
             let before = std::mem::replace(&mut values, policy.values_at(&points, stop));
             let change = before.iter().zip(&values).map(|(a, b)| (a - b).abs() / model.reward_scale());
-            if change.fold(0.0, f64::max) < SWEEP_TOLERANCE || is_set(stop) {
+            settled = change.fold(0.0, f64::max) < SWEEP_TOLERANCE;
+            if settled && all_moves || is_set(stop) {
                 break;
             }
         }
         policy.thin(model, &points, stop);
         policy.unseen_values = policy.values_on_ending_belts(model);
         policy
+    }
+
+    /// Let every legal move contend at every point.
+    fn all_contend(&self, model: &SortingModel, contending: &mut [Vec<Moves>]) {
+        for (group, points) in contending.iter_mut().enumerate() {
+            points.fill(model.legal_moves(self.representative(group)).to_vec());
+        }
     }
 
     /// Value of the best plan at each point, group by group. That of an unseen object alone would not tell whether the
@@ -101,17 +125,20 @@ impl OneObjectPolicy {
         policy
     }
 
-    /// The best plan at each point after one backup; the plans that decide at once always stay.
+    /// The best plan at each point after one backup with the moves that contend there; the plans that decide at once always
+    /// stay.
     fn backed_up(
         &self,
         model: &SortingModel,
         group: usize,
         points: &[Vec<f64>],
+        contending: &mut [Moves],
         stop: &AtomicBool,
     ) -> PlanSet {
         let following = self.plans_by_value();
-        let remaining = points.par_iter().take_any_while(|_| !is_set(stop));
-        let backups = remaining.map(|belief| self.backup(model, group, belief, &following, stop));
+        let remaining = points.par_iter().zip(contending).take_any_while(|_| !is_set(stop));
+        let backups =
+            remaining.map(|(belief, moves)| self.backup(model, group, belief, &following, moves, stop));
         let improved: Vec<_> = backups.collect();
         let mut kept = deciding(model, self.group_count(), group);
         let mut known: HashSet<_> = kept.iter().map(ConditionalPlan::bits).collect();
@@ -131,28 +158,36 @@ impl OneObjectPolicy {
         self.plans.iter().map(|set| PlanSet::new(set.plans().iter().map(alone).collect())).collect()
     }
 
-    /// The best of: the plan at hand, deciding now, and moving anywhere and continuing with the best plan per label.
+    /// The best of: the plan at hand, deciding now, and moving anywhere and continuing with the best plan per label. Moves
+    /// that fall behind no longer contend.
     fn backup(
         &self,
         model: &SortingModel,
         group: usize,
         belief: &[f64],
         following: &[PlanSet],
+        contending: &mut Moves,
         stop: &AtomicBool,
     ) -> ConditionalPlan {
         let worth = |plan: &ConditionalPlan| plan.value(belief, &self.arrival_values);
         let from = self.representative(group);
         let (at_hand, _) = self.best(group, belief, &self.arrival_values);
-        let mut best = (at_hand.clone(), worth(at_hand));
         let now = decide(model, self.group_count(), group, model.best_decision(belief).0);
-        let legal = model.legal_moves(from).iter().take_while(|_| !is_set(stop));
-        let moves = legal.map(|&to| self.move_plan(model, from, to, belief, following));
-        for plan in std::iter::once(now).chain(moves) {
+        let mut best = (at_hand.clone(), worth(at_hand));
+        let mut consider = |plan: ConditionalPlan| {
             let value = worth(&plan);
             if value > best.1 {
                 best = (plan, value);
             }
-        }
+            value
+        };
+        consider(now);
+        let moves = contending.iter().take_while(|_| !is_set(stop));
+        let values: Vec<f64> =
+            moves.map(|&to| consider(self.move_plan(model, from, to, belief, following))).collect();
+        let least = best.1 - CONTENDING * model.reward_scale();
+        let mut values = values.into_iter();
+        contending.retain(|_| values.next().is_some_and(|value| value >= least));
         best.0
     }
 
@@ -242,26 +277,6 @@ fn decide(model: &SortingModel, groups: usize, group: usize, bin: Bin) -> Condit
     discount_to.rows_mut(group * l, l).fill(model.discount());
     let gain = DVector::from_fn(l, |n, _| model.reward(bin, Kind(n)));
     ConditionalPlan { action: Action::Decide(bin), gain, discount_to }
-}
-
-/// The group of each viewpoint, and the number of groups.
-pub(crate) fn viewpoint_groups(model: &SortingModel) -> (Vec<usize>, usize) {
-    let moves = |from| -> Vec<(Viewpoint, u64)> {
-        let cost = |to| model.motion_cost(from, to).to_bits();
-        model.legal_moves(from).iter().map(|&to| (to, cost(to))).collect()
-    };
-    let mut kinds: Vec<Vec<(Viewpoint, u64)>> = Vec::new();
-    let group_of = model
-        .viewpoints()
-        .map(|from| {
-            let kind = moves(from);
-            kinds.iter().position(|known| *known == kind).unwrap_or_else(|| {
-                kinds.push(kind);
-                kinds.len() - 1
-            })
-        })
-        .collect();
-    (group_of, kinds.len())
 }
 
 #[cfg(test)]

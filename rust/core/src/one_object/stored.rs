@@ -7,7 +7,7 @@ use nalgebra::DVector;
 
 use super::OneObjectPolicy;
 use super::plan_set::{ConditionalPlan, PlanSet};
-use super::solve::viewpoint_groups;
+use super::viewpoint_groups;
 use crate::index::{Bin, Viewpoint};
 use crate::model::{Action, SortingModel};
 
