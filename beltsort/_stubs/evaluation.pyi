@@ -101,7 +101,7 @@ class Evaluation:
 
         Raises
         ------
-        ArgumentError
+        MissingExtraError
             If pandas is not installed.
         """
     def _repr_html_(self) -> str:

@@ -166,6 +166,9 @@ def solve(
     progress : callable, optional
         Called with the bounds ``(lower, upper)`` so far, from another thread. What it raises ends the solver
         and passes through.
+    stop : callable, optional
+        Called without arguments some twenty times a second; once it returns true, the solver ends and returns
+        what it has: both bounds hold. What it raises passes through.
 
     Returns
     -------

@@ -170,6 +170,8 @@ class Comparison:
         ------
         ArgumentError
             If the metric is unknown.
+        MissingExtraError
+            If matplotlib is not installed.
         """
         returns = [name for name in RETURNS if name in self.metrics]
         chosen = metric or [*returns, *self.metrics][0]
@@ -188,7 +190,7 @@ class Comparison:
 
         Raises
         ------
-        ArgumentError
+        MissingExtraError
             If pandas is not installed.
         """
         return comparison_frame(self._statistics())

@@ -4,8 +4,9 @@ import math
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from beltsort._core import ArgumentError, Evaluation
+from beltsort._core import Evaluation
 from beltsort.planning.difference import Difference, PairedStatistics
+from beltsort.util.extras import extra
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -16,7 +17,7 @@ def evaluation_frame(evaluation: Evaluation) -> "pd.DataFrame":
 
     Raises
     ------
-    ArgumentError
+    MissingExtraError
         If pandas is not installed.
     """
     pandas = _pandas()
@@ -29,7 +30,7 @@ def comparison_frame(found: PairedStatistics) -> "pd.DataFrame":
 
     Raises
     ------
-    ArgumentError
+    MissingExtraError
         If pandas is not installed.
     """
     pandas = _pandas()
@@ -49,10 +50,6 @@ def comparison_frame(found: PairedStatistics) -> "pd.DataFrame":
 
 
 def _pandas() -> ModuleType:
-    try:
+    with extra("pandas"):
         import pandas
-    except ImportError as reason:
-        raise ArgumentError(
-            f"tables of pandas need it ({reason}); install it with: pip install pandas"
-        ) from reason
     return pandas  # type: ignore[no-any-return] # has no annotations

@@ -20,6 +20,7 @@ from beltsort import (
     compare,
     evaluate,
 )
+from beltsort.errors import MissingExtraError
 from beltsort.planning.difference import Difference
 
 mpl.use("Agg")
@@ -105,12 +106,14 @@ def test_without_pandas_the_error_says_what_to_type(
 
     def without_pandas(name: str, *arguments: Any, **keywords: Any) -> Any:
         if name == "pandas":
-            raise ImportError("No module named 'pandas'")
+            raise ModuleNotFoundError("No module named 'pandas'", name="pandas")
         return real(name, *arguments, **keywords)
 
     monkeypatch.setattr(builtins, "__import__", without_pandas)
     for make in (compared.to_pandas, compared.evaluations["hasty"].to_pandas):
-        with pytest.raises(ArgumentError, match=r"No module named 'pandas'.*: pip install pandas$"):
+        with pytest.raises(
+            MissingExtraError, match=r"pandas is not installed; pip install 'beltsort\[pandas\]'$"
+        ):
             make()
 
 

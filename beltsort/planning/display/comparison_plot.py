@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from beltsort.planning.difference import CONFIDENCE, PairedStatistics
 from beltsort.util.colours import COLOURS
+from beltsort.util.extras import extra
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,9 +27,15 @@ def draw_differences(found: PairedStatistics, metric: str, ax: "Axes | None" = N
         One of `found.metrics`.
     ax
         Where to draw; a new figure if missing.
+
+    Raises
+    ------
+    MissingExtraError
+        If a new figure is needed and matplotlib is not installed.
     """
     if ax is None:
-        import matplotlib.pyplot as plt
+        with extra("plot"):
+            import matplotlib.pyplot as plt
 
         size = (WIDTH, EDGES + INCHES * len(found.differences))
         ax = plt.figure(figsize=size, layout="constrained").add_subplot()

@@ -155,7 +155,7 @@ impl PyEvaluation {
     ///
     /// Raises
     /// ------
-    /// ArgumentError
+    /// MissingExtraError
     ///     If pandas is not installed.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("beltsort.planning.frames")?.call_method1("evaluation_frame", (slf,))
