@@ -3,7 +3,7 @@
 use beltsort_core as core;
 use pyo3::prelude::*;
 
-use crate::{plan_tree, policies};
+use crate::{look_ahead, plan_tree, policies};
 
 /// Add them to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -13,7 +13,7 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MAX_IMPOSSIBLE_LABELS", core::MAX_IMPOSSIBLE_LABELS)?;
     module.add("DEFAULT_SCENARIOS", core::DEFAULT_SCENARIOS)?;
     module.add("DEFAULT_SOLVE_SECONDS", core::DEFAULT_SOLVE_SECONDS)?;
-    module.add("DEFAULT_LOOK_AHEAD_DEPTH", policies::DEFAULT_LOOK_AHEAD_DEPTH)?;
+    module.add("DEFAULT_LOOK_AHEAD_DEPTH", look_ahead::DEFAULT_LOOK_AHEAD_DEPTH)?;
     module.add("DEFAULT_INFORMATION_POSITIONS", policies::DEFAULT_INFORMATION_POSITIONS)?;
     module.add("DEFAULT_TREE_DEPTH", plan_tree::DEFAULT_DEPTH)
 }

@@ -14,9 +14,11 @@ use crate::despot::PyDespot;
 use crate::errors::{ArgumentError, to_python};
 use crate::evaluation::PyEvaluation;
 use crate::interrupt::{Stoppable, interruptible};
+use crate::look_ahead::PyLookAhead;
 use crate::model::PySortingModel;
 use crate::names::{Named, rows_of_classes};
-use crate::policies::{PyInformationGain, PyLookAhead, PyOneObject, PyThreshold};
+use crate::one_object::PyOneObject;
+use crate::policies::{PyInformationGain, PyThreshold};
 use crate::solution::PySolution;
 use crate::user_policy::UserPolicy;
 

@@ -1,28 +1,21 @@
-//! The simple policies.
+//! The simple policies, and how any of them is asked.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
-use beltsort_core::{
-    DEFAULT_SCENARIOS, DespotConfig, InformationGain, LookAhead, OneObject, Policy, Question, SortingModel,
-    Threshold,
-};
+use beltsort_core::{InformationGain, Policy, Question, SortingModel, Threshold};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::actions;
 use crate::belief::PyBelief;
-use crate::convert::{self, Whole, count};
+use crate::convert::{Whole, count};
 use crate::display::{displayed, immutable};
 use crate::errors::{ArgumentError, to_python};
-use crate::interrupt::interruptible;
 use crate::model::PySortingModel;
 use crate::names::Named;
 
 /// Positions whose information counts, if not given.
 pub const DEFAULT_INFORMATION_POSITIONS: usize = 1;
-/// Planner steps of a look-ahead, if not given.
-pub const DEFAULT_LOOK_AHEAD_DEPTH: usize = 1;
 
 /// Look from one viewpoint until the best decision is likely enough to be right.
 ///
@@ -214,176 +207,11 @@ impl PyInformationGain {
     }
 }
 
-/// Follow the best conditional plan for the object at the belt end, chosen anew at each step.
-///
-/// The default policy of `Despot`. Each plan looks at one object until it pays to decide; what its looks tell
-/// about the objects behind is used once their turn comes. Labels are taken as independent, and a bonus for
-/// information is left aside.
-///
-/// Parameters
-/// ----------
-/// model : SortingModel
-///     The problem; its one-object plans are found here, which takes a moment.
-///
-/// References
-/// ----------
-/// Point-based value iteration: Pineau, Gordon & Thrun, IJCAI 2003.
-///
-/// Examples
-/// --------
-/// >>> import beltsort
-/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
-/// >>> beltsort.OneObject(model).act(beltsort.Belief(model), 0)
-/// Move(viewpoint=0)
-#[pyclass(frozen, name = "OneObject", module = "beltsort")]
-pub struct PyOneObject {
-    pub policy: OneObject,
-    pub model: Arc<SortingModel>,
-}
+displayed!(PyThreshold, PyInformationGain);
+immutable!(PyThreshold, PyInformationGain);
 
-#[pymethods]
-impl PyOneObject {
-    #[new]
-    fn new(py: Python<'_>, model: &PySortingModel) -> PyResult<Self> {
-        let stop = AtomicBool::new(false);
-        let policy = interruptible(py, &stop, || OneObject::new_until(&model.0, &stop))?;
-        Ok(Self { policy, model: Arc::clone(&model.0) })
-    }
-
-    /// Return the first action of the best plan.
-    ///
-    /// Parameters
-    /// ----------
-    /// belief : Belief
-    ///     What is known of the objects; made for the policy's model, or an equal one.
-    /// viewpoint : int or str
-    ///     Where the camera stands: index or name.
-    ///
-    /// Returns
-    /// -------
-    /// Move or Decide
-    ///     The action.
-    ///
-    /// Raises
-    /// ------
-    /// ArgumentError
-    ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
-        act(py, &self.policy, &self.model, &belief, viewpoint)
-    }
-
-    /// The model that the policy was made for.
-    #[getter]
-    fn model(&self) -> PySortingModel {
-        PySortingModel(Arc::clone(&self.model))
-    }
-
-    fn __getnewargs__(&self) -> (PySortingModel,) {
-        (self.model(),)
-    }
-}
-
-/// Compare all actions a fixed number of steps ahead, with the leaf values of `Despot`.
-///
-/// A baseline for the search: no trials, no bounds. Labels that no scenario gives follow the one-object
-/// policy.
-///
-/// Parameters
-/// ----------
-/// model : SortingModel
-///     The problem; its one-object plans are found here, which takes a moment.
-/// depth : int, default 1
-///     Planner steps to look ahead, 1 to 4. The tree grows with the power of it.
-/// scenarios : int, default 500
-///     As for `Despot`.
-/// seed : int
-///     As for `Despot`.
-///
-/// Raises
-/// ------
-/// ArgumentError
-///     For another depth, or no scenarios.
-///
-/// Examples
-/// --------
-/// >>> import beltsort
-/// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
-/// >>> beltsort.LookAhead(model, depth=2).act(beltsort.Belief(model), 0)
-/// Move(viewpoint=0)
-#[pyclass(frozen, name = "LookAhead", module = "beltsort")]
-pub struct PyLookAhead {
-    pub policy: LookAhead,
-    pub model: Arc<SortingModel>,
-    depth: usize,
-    config: DespotConfig,
-}
-
-#[pymethods]
-impl PyLookAhead {
-    #[new]
-    #[pyo3(signature = (model, depth=DEFAULT_LOOK_AHEAD_DEPTH as Whole, *, scenarios=DEFAULT_SCENARIOS as Whole, seed=0))]
-    fn new(
-        py: Python<'_>,
-        model: &PySortingModel,
-        depth: Whole,
-        scenarios: Whole,
-        seed: Whole,
-    ) -> PyResult<Self> {
-        let (depth, scenarios) = (count("depth", depth)?, count("scenarios", scenarios)?);
-        let config = DespotConfig { scenarios, seed: convert::seed(seed)?, ..DespotConfig::default() };
-        let stop = AtomicBool::new(false);
-        let policy = interruptible(py, &stop, || LookAhead::new_until(&model.0, depth, config, &stop))?
-            .map_err(to_python)?;
-        Ok(Self { policy, model: Arc::clone(&model.0), depth, config })
-    }
-
-    /// Return the action with the highest value.
-    ///
-    /// Parameters
-    /// ----------
-    /// belief : Belief
-    ///     What is known of the objects; made for the policy's model, or an equal one.
-    /// viewpoint : int or str
-    ///     Where the camera stands: index or name.
-    ///
-    /// Returns
-    /// -------
-    /// Move or Decide
-    ///     The action.
-    ///
-    /// Raises
-    /// ------
-    /// ArgumentError
-    ///     For a belief of another model or an unknown viewpoint.
-    fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
-        act(py, &self.policy, &self.model, &belief, viewpoint)
-    }
-
-    /// The model that the policy was made for.
-    #[getter]
-    fn model(&self) -> PySortingModel {
-        PySortingModel(Arc::clone(&self.model))
-    }
-
-    /// What the policy was made with, as keywords of the constructor: depth, scenarios, seed.
-    #[getter]
-    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let settings = PyDict::new(py);
-        settings.set_item("depth", self.depth)?;
-        settings.set_item("scenarios", self.config.scenarios)?;
-        settings.set_item("seed", self.config.seed)?;
-        Ok(settings)
-    }
-
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((PySortingModel,), Bound<'py, PyDict>)> {
-        Ok(((self.model(),), self.settings(py)?))
-    }
-}
-
-displayed!(PyThreshold, PyInformationGain, PyOneObject, PyLookAhead);
-immutable!(PyThreshold, PyInformationGain, PyOneObject, PyLookAhead);
-
-fn act(
+/// The action of a policy of the core, by Python's arguments.
+pub fn act(
     py: Python<'_>,
     policy: &dyn Policy,
     model: &Arc<SortingModel>,
