@@ -30,11 +30,14 @@ smartquotes = False
 nitpicky = True
 # Classes of other packages: their sites' inventories would have to be fetched.
 nitpick_ignore_regex = [
-    (r"py:.*", r"(np|npt|numpy|collections|pathlib|os|argparse|datetime|types|typing|enum)\..*"),
+    (
+        r"py:.*",
+        r"(np|npt|numpy|pd|pandas|matplotlib|collections|pathlib|os|argparse|datetime|types|typing|enum)\..*",
+    ),
     # Type variables, and imports for type checkers only.
     (r"py:.*", r"(.*\.)?(Options|Result|Stored|CellDescription)"),
     (r"py:.*", r"tuple\[.*"),
-    (r"py:.*", r"(NDArray|ArrayLike|Path|PathLike|Any|optional|default.*|shape.*|Callable|Sequence)"),
+    (r"py:.*", r"(Axes|NDArray|ArrayLike|Path|PathLike|Any|optional|default.*|shape.*|Callable|Sequence)"),
 ]
 
 # Markdown.

@@ -17,8 +17,7 @@ class Despot:
       the default policy, the best conditional plan for one object after the other. Solving for those plans is
       what makes the constructor take a moment.
     * "scenarios": DESPOT as published, to compare with. The search knows nothing but its scenarios: rewards
-    and
-      probabilities are averages over those that come to a node.
+      and probabilities are averages over those that come to a node.
 
     A trial expands one leaf of the tree, or as many as the published algorithm says. With a budget of trials
     a plan is a pure function of model, belief, viewpoint, seed and settings, bit by bit the same for any

@@ -1,20 +1,14 @@
 """Pages of the commands, written from the parsers of the command line before the sources are read."""
 
 import re
-from argparse import (
-    SUPPRESS,
-    Action,
-    ArgumentParser,
-    HelpFormatter,
-    RawDescriptionHelpFormatter,
-    _SubParsersAction,
-)
+from argparse import SUPPRESS, Action, ArgumentParser, HelpFormatter, _SubParsersAction
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from sphinx.application import Sphinx
 
-from beltsort.cli import parser
+from beltsort.cli import GROUPS, parser
 
 FOLDER = "commands"
 INDEX = """# Commands
@@ -22,9 +16,7 @@ INDEX = """# Commands
 Each command prints its result on standard output and everything else on standard error. With `--json`, the
 result is exactly one JSON object. [Recovery from failures](../recovery.md) lists the exit codes.
 
-| command | what it does |
-|---|---|
-{rows}
+{tables}
 
 ```{{toctree}}
 :hidden:
@@ -32,11 +24,36 @@ result is exactly one JSON object. [Recovery from failures](../recovery.md) list
 {names}
 ```
 """
+TABLE = """## {title}
+
+| command | what it does |
+|---|---|
+{rows}"""
 CODE = re.compile(r"(`[^`]*`|(?<![\w-])--[a-z][a-z-]*)")
 SPECIAL = re.compile(r"([\\*_<>\[\]|#$])")
 PAGE = re.compile(r"docs/(\w+\.md)")
 WIDTH = 76
 TITLES = {"positional arguments": "Arguments"}
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command: the group of the help that it is in, its name, one line about it, its parser, and an example."""
+
+    group: str
+    name: str
+    summary: str
+    parser: ArgumentParser
+    example: str
+
+
+def commands() -> Iterator[Command]:
+    """Go through the commands, in the order of the help."""
+    (choices,) = (action for action in parser()._actions if isinstance(action, _SubParsersAction))
+    parsers = zip(choices.choices.items(), choices._choices_actions, strict=True)
+    for group, modules in GROUPS.items():
+        for module, ((name, command), choice) in zip(modules, parsers, strict=False):
+            yield Command(group, name, choice.help or "", command, module.EXAMPLE)
 
 
 def markdown(text: str) -> str:
@@ -47,21 +64,19 @@ def markdown(text: str) -> str:
     return "".join(pieces)
 
 
-def page(name: str, command: ArgumentParser) -> str:
+def page(command: Command) -> str:
     """Return the page of a command."""
-    command.formatter_class, own = _Wide, command.formatter_class
-    parts = [f"# beltsort {name}", markdown(command.description or "")]
-    parts.append(f"```text\n{command.format_usage().strip()}\n```")
-    for group in command._action_groups:
+    command.parser.formatter_class = _Wide
+    parts = [f"# beltsort {command.name}", markdown(command.parser.description or command.summary)]
+    parts.append(f"```sh\n{command.example}\n```")
+    for group in command.parser._action_groups:
         actions = [action for action in group._group_actions if action.dest != "help"]
         actions = [action for action in actions if action.help != SUPPRESS]
         title = group.title or "options"
         if actions:
             parts += [f"## {TITLES.get(title, title.capitalize())}", markdown(group.description or "")]
-            parts += [_definition(action, command) for action in actions]
-    if command.epilog:
-        kept = issubclass(own, RawDescriptionHelpFormatter)
-        parts.append(f"```text\n{command.epilog.strip()}\n```" if kept else markdown(command.epilog))
+            parts += [_definition(action, command.parser) for action in actions]
+    parts.append(f"## Usage\n\n```text\n{command.parser.format_usage().strip()}\n```")
     return "\n\n".join(filter(None, parts)) + "\n"
 
 
@@ -76,20 +91,20 @@ def _definition(action: Action, command: ArgumentParser) -> str:
     return f"`{named}`\n: {markdown(formatter._expand_help(action))}"
 
 
-def _commands() -> Iterator[tuple[str, str, ArgumentParser]]:
-    (choices,) = (action for action in parser()._actions if isinstance(action, _SubParsersAction))
-    helps = {choice.dest: choice.help or "" for choice in choices._choices_actions}
-    for name, command in choices.choices.items():
-        yield name, helps.get(name, ""), command
+def index(listed: list[Command]) -> str:
+    """Return the page that lists all commands."""
+    rows: dict[str, list[str]] = {}
+    for command in listed:
+        row = f"| [`beltsort {command.name}`]({command.name}.md) | {markdown(command.summary)} |"
+        rows.setdefault(command.group, []).append(row)
+    tables = [TABLE.format(title=group.capitalize(), rows="\n".join(lines)) for group, lines in rows.items()]
+    return INDEX.format(tables="\n\n".join(tables), names="\n".join(command.name for command in listed))
 
 
 def write(app: Sphinx) -> None:
     """Write the pages that have changed, and remove those of commands that are gone."""
-    commands = list(_commands())
-    rows = "\n".join(f"| [`beltsort {name}`]({name}.md) | {markdown(text)} |" for name, text, _ in commands)
-    names = "\n".join(name for name, _, _ in commands)
-    texts = {f"{name}.md": page(name, command) for name, _, command in commands}
-    texts["index.md"] = INDEX.format(rows=rows, names=names)
+    listed = list(commands())
+    texts = {f"{command.name}.md": page(command) for command in listed} | {"index.md": index(listed)}
     folder = Path(app.srcdir) / FOLDER
     folder.mkdir(exist_ok=True)
     for old in folder.glob("*.md"):
