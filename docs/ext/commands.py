@@ -38,7 +38,7 @@ TITLES = {"positional arguments": "Arguments"}
 
 @dataclass(frozen=True)
 class Command:
-    """A command: the group of the help that it is in, its name, one line about it, its parser, and an example."""
+    """A command: its group in the help, its name, one line about it, its parser, and an example."""
 
     group: str
     name: str
