@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from beltsort.cellfile.composed import ComposedCell
     from beltsort.cellfile.description import CellDescription
 
-EXAMPLE = "beltsort check examples/simulated.toml"
+EXAMPLE = "beltsort check cell.toml"
 
 
 def add_parser(subparsers: Subparsers) -> None:

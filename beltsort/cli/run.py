@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from beltsort.sorting.progress import Progress
     from beltsort.sorting.report import SortingReport
 
-EXAMPLE = "beltsort run examples/simulated.toml --objects 5"
+EXAMPLE = "beltsort run cell.toml --objects 5"
 
 
 def add_parser(subparsers: Subparsers) -> None:
