@@ -1,44 +1,63 @@
-"""README's examples and the output it shows are true."""
+"""README's examples and the output it shows are true, in an empty folder."""
 
-import doctest
-import re
+import json
 import subprocess
 import sys
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
-from tests.docs.excerpts import shows
+from tests.docs.pages import ROOT, Block, PageRun, blocks_of
+from tests.ports import HeldPort
 
-pytestmark = pytest.mark.process
-
-ROOT = Path(__file__).parents[1]
+pytestmark = [pytest.mark.process, pytest.mark.slow]
 README = ROOT / "README.md"
+BY_TEST = "by the test of this section"
 
 
-def test_python_examples(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
-    results = doctest.testfile(str(README), module_relative=False)
-    assert results.attempted > 5
-    assert results.failed == 0
+def test_its_blocks(tmp_path: Path) -> None:
+    PageRun(README, tmp_path).run()
 
 
-def test_explanation() -> None:
-    before, shown = next(
-        pair for pair in pairwise(README.read_text().split("```")) if pair[1].startswith("\nDeciding")
+def test_what_is_run_and_shown() -> None:
+    blocks = blocks_of(README)
+    left_out = [block.comments["not run"] for block in blocks if "not run" in block.comments]
+    assert [reason for reason in left_out if reason != BY_TEST] == [
+        "installs",
+        "three quarters of an hour on two cores; with --quick six minutes",
+    ]
+    assert sum("output" in block.comments for block in blocks) == 2
+    assert {block.language for block in blocks} == {"sh", "python", "text"}
+
+
+def test_the_cell_of_the_example(tmp_path: Path) -> None:
+    prepared, served, sorted_by = (
+        block for block in blocks_of(README) if block.comments.get("not run") == BY_TEST
     )
-    arguments = re.findall(r"`beltsort (plan .*)`", before)[-1].split()
-    done = subprocess.run(
-        [sys.executable, "-m", "beltsort", *arguments], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.endswith(f"\n{shown}")
+    shell(prepared, tmp_path)
+    with HeldPort() as held:
+        port = str(held.number)
+        cell = tmp_path / "cell.toml"
+        cell.write_text(cell.read_text().replace("4840", port))
+        server = subprocess.Popen(
+            [sys.executable, *served.code.replace("4840", port).split()[1:]],
+            cwd=tmp_path,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            assert server.stdout is not None
+            assert json.loads(server.stdout.readline())
+            printed = shell(sorted_by, tmp_path)
+        finally:
+            server.communicate(timeout=60)  # it ends with its standard input
+    assert "everything is within the limits" in printed
+    assert printed.count("10 sorted in ") == 2  # the dry run, too
 
 
-def test_demo_output(tmp_path: Path) -> None:
-    shown = next(block for block in README.read_text().split("```")[1::2] if "observation tables" in block)
-    done = subprocess.run(
-        [sys.executable, "-m", "beltsort", "demo"], cwd=tmp_path, capture_output=True, text=True, check=True
-    )
-    printed = done.stdout.splitlines()
-    assert shows(shown.strip().splitlines(), printed), f"README shows {shown}, printed is {done.stdout}"
+def shell(block: Block, folder: Path) -> str:
+    """Run a block and return what it prints."""
+    run = PageRun(README, folder)
+    run.shell(block)
+    return run.printed

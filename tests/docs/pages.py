@@ -115,11 +115,12 @@ class PageRun:
         elif block.language in ("toml", "json"):
             _parsed(block)
         elif block.runs and block.language == "sh":
-            self._shell(block)
+            self.shell(block)
         elif block.runs:
             self._python(block)
 
-    def _shell(self, block: Block) -> None:
+    def shell(self, block: Block) -> None:
+        """Run the commands of a block."""
         bin_folder = Path(sys.executable).parent
         environment = {
             **os.environ,
