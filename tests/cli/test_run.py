@@ -244,7 +244,7 @@ def test_a_cell_prepares_itself(
         database = NearestNeighbour.load(folder / "cell" / "classifier.npz")
         return Prepared(database, count(looks, 2, 3, 4), 20, {}, "cache")
 
-    monkeypatch.setattr("beltsort.cellfile.run.prepare", prepare)
+    monkeypatch.setattr("beltsort.cellfile.ingredients.prepare", prepare)
     path = str(changed(folder, (PREPARE, PREPARE.replace("40", "7"))))
     assert main(["run", path, "--objects", "1", "--json"]) == 0
     assert len(result_of(capsys)["decisions"]) == 1
