@@ -1,8 +1,9 @@
 """The paper's experiments, by one call or piece by piece.
 
-`reproduce` runs everything and writes a folder. In a notebook the pieces are there too: `run_experiments`
-returns rows with one number per batch, `plain_table` their means and standard errors, each figure is a
-function that returns a matplotlib figure, and `all_claims` returns which claims hold.
+`reproduce` runs everything and writes a folder; `redraw` draws the figures again from the numbers in it. In
+a notebook the pieces are there too: `run_experiments` returns rows with one number per batch, `plain_table`
+their means and standard errors, each figure is a function of these that returns a matplotlib figure, and
+`all_claims` returns which claims hold.
 
 References
 ----------
@@ -35,7 +36,7 @@ from beltsort.paper.instances import FOUR, OBJECTS, PAPER, TWO, Instance, Object
 from beltsort.paper.labels import label_point, label_points, simulate_labels
 from beltsort.paper.optimum import bound_optimum, losses_table
 from beltsort.paper.outcomes import only, plain_table, select
-from beltsort.paper.reproduction import Reproduction, reproduce
+from beltsort.paper.reproduction import Redrawn, Reproduction, redraw, reproduce
 from beltsort.paper.run import Results, cell_of, run_experiments
 from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
 from beltsort.paper.setup_figures import clouds_figure, propagated, propagation_figure, reached_sphere
@@ -55,6 +56,7 @@ __all__ = [
     "Instance",
     "Objects",
     "PreparedCell",
+    "Redrawn",
     "Reproduction",
     "Results",
     "accuracy_figure",
@@ -76,6 +78,7 @@ __all__ = [
     "propagated",
     "propagation_figure",
     "reached_sphere",
+    "redraw",
     "reproduce",
     "run_experiments",
     "saving",

@@ -1,15 +1,22 @@
-"""The paper's Fig. 4 to 7, outcomes against the penalty of a wrong decision, and figures beyond the paper."""
+"""The paper's Fig. 4 to 7, outcomes against the penalty of a wrong decision, and figures beyond the paper.
 
-from collections.abc import Sequence
+Rows are those of plain tables, see `beltsort.paper.outcomes.plain_table`. Panels that are compared share
+their scales, and every point stands at its own value: markers differ in size, so that all are seen.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from beltsort.paper import printed
-from beltsort.paper.beyond import BONUS, POSITIONS, STUDIES
+from beltsort.paper.beyond import ARRIVAL, BONUS, POSITIONS, SHARPNESS, STUDIES
 from beltsort.paper.instances import OBJECTS, TWO
 from beltsort.paper.labels import LEVEL as LABELS
 from beltsort.paper.labels import STUDY
-from beltsort.paper.outcomes import Row, select
+from beltsort.paper.optimum import loss_of
+from beltsort.paper.outcomes import Row, estimate_in, select
 from beltsort.paper.policies import (
     INFORMATION_GAIN,
     OPTIMUM,
@@ -20,17 +27,8 @@ from beltsort.paper.policies import (
     THRESHOLD,
 )
 from beltsort.paper.scans import LEVEL as SCANS
-from beltsort.paper.statistics import mean
-from beltsort.paper.style import (
-    ERROR_BARS,
-    PRINTED,
-    curve,
-    new_figure,
-    penalty_axis,
-    penalty_curve,
-    shared_legend,
-    style,
-)
+from beltsort.paper.style import PRINTED, Look, curve, meaning, new_figure, penalty_axis, shared_legend, style
+from beltsort.util.figure_style import column_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,155 +41,197 @@ SOURCES = (
 )
 SHOWN = (RECOMMENDED, OPTIMUM, THRESHOLD, INFORMATION_GAIN, PUBLISHED)
 TICKS = (5.0, 20.0, 50.0, 200.0, 500.0)
-DECISIONS = (("positives", "right", True), ("negatives", "wrong", False))
+DECISIONS = (("positives", True), ("negatives", False))
+RIGHT_OR_WRONG = {
+    "filled: right": meaning(filled=True, line="none"),
+    "hollow: wrong": meaning(filled=False, line="none"),
+}
+ONE_OR_TWO = {
+    "filled: one position": meaning(filled=True, line="-"),
+    "hollow: two positions": meaning(filled=False, line="--"),
+}
 OF_TEN = "objects of ten"
+PENALTY = "penalty $r_\\mathrm{min}$"
 WORDS = {1: "one position", 2: "two positions"}
 LOSS_FLOOR = 1e-3  # smaller losses are drawn here: the axis is logarithmic
+MOST_STEPS = 82.0  # above all curves, and the paper's 75
 VARIED = "as many positions as the axis says"
-BEYOND = (("steps", "steps for ten objects"), ("positives", "right decisions of ten"))
+BEYOND = (("steps", "steps for ten"), ("positives", "right of ten"))
 
 
+@column_style()
 def accuracy_figure(rows: Sequence[Row], positions: int, discount: float) -> "Figure":
     """Draw positives and negatives of ten against r_min, for every policy: Fig. 4 (one position) and 5 (two).
 
     Parameters
     ----------
     rows
-        Of tables and scans; see `beltsort.paper.outcomes`.
+        Of tables and scans.
     positions
         Belt positions seen at once.
     discount
         Whose rows are shown.
     """
-    figure, panels = new_figure(len(OBJECTS), len(SOURCES))
+    figure, panels = new_figure(len(SOURCES), len(OBJECTS), sharex=True, sharey=True)
     for panel, shown, is_paper in _panels(panels, rows, discount):
         for number, policy in enumerate(SHOWN):
             found = select(shown, policy=policy, positions=positions)
-            for outcome, name, filled in DECISIONS if found else ():
+            for outcome, filled in DECISIONS if found else ():
                 look = style(number, filled=filled)
-                aside = number - 0.5 * (len(SHOWN) - 1)
-                penalty_curve(panel, found, outcome, aside, label=f"{policy}, {name}", **look)
+                curve(panel, _penalties(found), found, outcome, label=policy if filled else None, **look)
         if is_paper:
             panel.plot(*_columns(printed.POSITIVES), label="paper's robot, right", **PRINTED)
-        panel.set(ylim=(-0.5, 10.5), ylabel=OF_TEN)
-    figure.suptitle(f"Right and wrong decisions, {WORDS[positions]}, discount {discount:g}; {ERROR_BARS}")
-    shared_legend(figure, panels.ravel(), 5)
+        panel.set(ylim=(-0.5, 10.5), yticks=(0.0, 5.0, 10.0))
+    _finish(figure, panels, OF_TEN, RIGHT_OR_WRONG)
     return figure
 
 
+@column_style()
 def steps_figure(rows: Sequence[Row], discount: float) -> "Figure":
     """Draw total steps for ten objects against r_min, one position against two: Fig. 6."""
-    lines = list(product(enumerate(SHOWN), WORDS))
-    figure, panels = new_figure(len(OBJECTS), len(SOURCES))
+    figure, panels = new_figure(len(SOURCES), len(OBJECTS), sharex=True, sharey=True)
     for panel, shown, is_paper in _panels(panels, rows, discount):
-        for place, ((number, policy), positions) in enumerate(lines):
+        for (number, policy), positions in product(enumerate(SHOWN), WORDS):
             if found := select(shown, policy=policy, positions=positions):
                 alone = positions == 1
                 look = style(number, filled=alone) | {"linestyle": "-" if alone else "--"}
-                aside = place - 0.5 * (len(lines) - 1)
-                penalty_curve(panel, found, "steps", aside, label=f"{policy}, {WORDS[positions]}", **look)
+                label = policy if alone else None
+                curve(panel, _penalties(found), found, "steps", label=label, **look)
         if is_paper:
             label = "paper's robot, by $r_\\mathrm{min}$"
             panel.plot(*_columns(printed.STEPS), label=label, **PRINTED)
             for positions, marker in ((1, "P"), (2, "X")):
-                look = PRINTED | {"marker": marker, "markersize": 8}
+                look = PRINTED | {"marker": marker, "markersize": 5}
                 steps = printed.STEPS_BY_POSITIONS[positions]
                 panel.plot([printed.R_MIN], [steps], label=f"paper's robot, {WORDS[positions]}", **look)
-        panel.set(ylabel="steps for ten objects", ylim=(0.0, None))
-    figure.suptitle(f"Steps to sort ten objects, discount {discount:g}; {ERROR_BARS}")
-    shared_legend(figure, panels.ravel())
+        panel.set_ylim(0.0, MOST_STEPS)
+    _finish(figure, panels, "steps for ten objects", ONE_OR_TWO)
     return figure
 
 
+@column_style()
 def one_against_two_figure(rows: Sequence[Row], discount: float) -> "Figure":
     """Draw the planners' positives and negatives, one position against two: Fig. 7."""
-    lines = list(product(PLANNERS, WORDS))
-    figure, panels = new_figure(len(OBJECTS), len(SOURCES))
+    figure, panels = new_figure(len(SOURCES), len(OBJECTS), sharex=True, sharey=True)
     for panel, shown, _ in _panels(panels, rows, discount):
-        for number, (planner, positions) in enumerate(lines):
+        for number, (planner, positions) in enumerate(product(PLANNERS, WORDS)):
             found = select(shown, policy=planner, positions=positions)
-            for outcome, name, filled in DECISIONS if found else ():
+            for outcome, filled in DECISIONS if found else ():
                 look = style(number, filled=filled)
-                aside = number - 0.5 * (len(lines) - 1)
-                label = f"{planner}, {name}, {WORDS[positions]}"
-                penalty_curve(panel, found, outcome, aside, label=label, **look)
-        panel.set(ylim=(-0.5, 10.5), ylabel=OF_TEN)
-    figure.suptitle(f"The planners' right and wrong decisions, discount {discount:g}; {ERROR_BARS}")
-    shared_legend(figure, panels.ravel(), 3)
+                label = f"{planner}, {WORDS[positions]}" if filled else None
+                curve(panel, _penalties(found), found, outcome, label=label, **look)
+        panel.set(ylim=(-0.5, 10.5), yticks=(0.0, 5.0, 10.0))
+    _finish(figure, panels, OF_TEN, RIGHT_OR_WRONG, columns=1)
     return figure
 
 
+@column_style()
 def bounds_figure(optimum: Sequence[Row]) -> "Figure":
     """Draw the certified bounds of the optimum, and what each policy's actions lose against it.
 
     Parameters
     ----------
     optimum
-        From `beltsort.paper.optimum.bound_optimum`.
+        From `beltsort.paper.optimum.losses_table`.
     """
-    figure, panels = new_figure(2, len(WORDS), (4.6, 2.9))
+    figure, panels = new_figure(2, len(WORDS), 1.4, sharex=True, sharey="row")
     for (value, loss), positions in zip(panels.T, WORDS, strict=True):
         rows = select(optimum, positions=positions)
-        x = [row["r_min"] for row in rows]
+        x = _penalties(rows)
         lower, upper = ([row[end] for row in rows] for end in ("lower", "upper"))
         value.fill_between(x, lower, upper, color="0.75", label="certified bounds of the optimum")
-        value.plot(x, lower, color="black", linewidth=1.0, marker="_", label="lower bound: a policy's value")
-        value.set(ylabel="value (discounted reward)", title=WORDS[positions])
+        value.plot(x, lower, color="black", linewidth=0.8, marker="_", label="lower: a policy's value")
+        value.set_title(WORDS[positions])
         for number, policy in enumerate(POLICIES):
-            losses = [mean(row["losses"][policy]) for row in rows]
-            means = [max(estimate.value, LOSS_FLOOR) for estimate in losses]
-            errors = [estimate.interval[1] - estimate.value for estimate in losses]
-            loss.errorbar(x, means, yerr=errors, label=policy, **style(number))
-        loss.set(yscale="log", ylabel=f"loss per batch ({LOSS_FLOOR:g}: or less)")
+            if loss_of(policy) not in rows[0]:
+                continue
+            losses = [estimate_in(row, loss_of(policy)) for row in rows]
+            # A logarithmic axis has no place for zero: values and ends of intervals are drawn at the floor.
+            ends = [(each.interval[0], each.value, each.interval[1]) for each in losses]
+            low, means, high = np.maximum(ends, LOSS_FLOOR).T
+            loss.errorbar(x, means, yerr=(means - low, high - means), label=policy, **style(number))
+        loss.set_yscale("log")
+        loss.set_ylim(LOSS_FLOOR / 1.5, None)
         penalty_axis(value, TICKS)
         penalty_axis(loss, TICKS)
-    figure.suptitle("Bounds of the best possible value, and loss against the upper bound (paper's tables)")
-    shared_legend(figure, panels.ravel(), 3)
+    value, loss = panels[:, 0]
+    value.set_ylabel("value (discounted reward)")
+    loss.set_ylabel("loss per batch")
+    ticks = [tick for tick in (1e-3, 1e-2, 1e-1, 1.0, 10.0) if LOSS_FLOOR <= tick <= loss.get_ylim()[1]]
+    loss.set_yticks(ticks, [f"≤ {ticks[0]:g}", *(f"{tick:g}" for tick in ticks[1:])], minor=False)
+    for loss in panels[1]:
+        loss.set_xlabel(PENALTY)
+    shared_legend(figure, panels.ravel())
     return figure
 
 
+@column_style()
 def beyond_figure(rows: Sequence[Row]) -> "Figure":
-    """Draw steps and right decisions for each further study, a column per study."""
-    figure, panels = new_figure(len(BEYOND), len(STUDIES))
+    """Draw steps and right decisions for each further study, a row per study."""
+    figure, panels = new_figure(len(STUDIES), len(BEYOND), 1.05)
     names = (*WORDS.values(), VARIED)
-    for (study, axis), column in zip(STUDIES.items(), panels.T, strict=True):
-        lines: dict[tuple[str, str], list[Row]] = {}
+    for (study, axis), line in zip(STUDIES.items(), panels, strict=True):
+        curves: dict[tuple[str, str], list[Row]] = {}
         for row in sorted(select(rows, study=study), key=lambda row: float(row["setting"])):
             name = VARIED if study == POSITIONS else WORDS[row["positions"]]
-            lines.setdefault((row["policy"], name), []).append(row)
-        settings = sorted({row["setting"] for line in lines.values() for row in line})
-        for panel, (outcome, title) in zip(column, BEYOND, strict=True):
-            for (planner, name), line in lines.items():
-                x = [row["setting"] for row in line]
+            curves.setdefault((row["policy"], name), []).append(row)
+        settings = sorted({row["setting"] for found in curves.values() for row in found})
+        for panel, (outcome, title) in zip(line, BEYOND, strict=True):
+            for (planner, name), found in curves.items():
+                x = [row["setting"] for row in found]
                 recommended = planner == RECOMMENDED
                 look = style(names.index(name), filled=recommended) | {
                     "linestyle": "-" if recommended else "--"
                 }
-                curve(panel, x, line, outcome, label=f"{planner}, {name}", **look)
-            panel.set(xlabel=axis, ylabel=title)
+                curve(panel, x, found, outcome, label=f"{planner}, {name}", **look)
+            panel.set_ylabel(title)
             panel.grid(alpha=0.3)
             if study == BONUS:
                 panel.set_xscale("symlog", linthresh=1.0)
                 panel.minorticks_off()
+            elif study == SHARPNESS:
+                panel.set_xscale("log")
+                panel.minorticks_off()
             panel.set_xticks(settings, [f"{setting:g}" for setting in settings])
-        column[0].set_title(study)
-    figure.suptitle(f"Beyond the paper: $r_\\mathrm{{min}}$ = 50, paper's tables; {ERROR_BARS}")
-    shared_legend(figure, panels.ravel())
+            if study == ARRIVAL:  # the last two are near each other
+                for tick, side in zip(panel.get_xticklabels()[-2:], ("right", "left"), strict=True):
+                    tick.set_horizontalalignment(side)
+        line[0].set_title(axis, loc="left")
+    for column, bottom in zip(panels.T, (0.0, None), strict=True):
+        for panel in column[1:]:
+            panel.sharey(column[0])
+        column[0].autoscale(axis="y")
+        column[0].set_ylim(bottom, None)
+    shared_legend(figure, panels.ravel(), 1)
     return figure
 
 
 def _panels(
     panels: "Sequence[Sequence[Axes]]", rows: Sequence[Row], discount: float
-) -> "list[tuple[Axes, list[Row], bool]]":
-    """Return each panel, the rows it shows, and whether the paper's own numbers belong there."""
-    found = []
-    for objects, line in zip(OBJECTS, panels, strict=True):
-        for (title, source), panel in zip(SOURCES, line, strict=True):
+) -> "Iterator[tuple[Axes, list[Row], bool]]":
+    """Yield each panel, the rows it shows, and whether the paper's own numbers belong there."""
+    for (title, source), line in zip(SOURCES, panels, strict=True):
+        line[0].set_title(title, loc="left")
+        for objects, panel in zip(OBJECTS, line, strict=True):
             shown = select(rows, study=STUDY, discount=discount, objects=objects.name, **source)
             penalty_axis(panel, TICKS)
-            panel.set_title(f"{title}\n{objects.name}", fontsize=9)
-            found.append((panel, shown, objects is TWO))
-    return found
+            panel.text(0.97, 0.2, objects.name, transform=panel.transAxes, ha="right", va="center")
+            yield panel, shown, objects is TWO
+
+
+def _finish(
+    figure: "Figure", panels: Any, outcome: str, meanings: Mapping[str, Look], *, columns: int = 2
+) -> None:
+    """Name the axes of all panels, shape (sources, objects), and add the legend."""
+    for line in panels:
+        line[0].set_ylabel(outcome)
+    for panel in panels[-1]:
+        panel.set_xlabel(PENALTY)
+    shared_legend(figure, panels.ravel(), columns, meanings=meanings)
+
+
+def _penalties(rows: Sequence[Row]) -> list[float]:
+    return [row["r_min"] for row in rows]
 
 
 def _columns(numbers: dict[float, float]) -> tuple[list[float], list[float]]:

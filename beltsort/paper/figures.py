@@ -1,11 +1,13 @@
 """Every figure of the report, under the number that it has in the paper."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from beltsort.paper.curves import (
+    LOSS_FLOOR,
     accuracy_figure,
     beyond_figure,
     bounds_figure,
@@ -13,16 +15,20 @@ from beltsort.paper.curves import (
     steps_figure,
 )
 from beltsort.paper.design import Design, Stream, seed_of
+from beltsort.paper.files import Numbers
 from beltsort.paper.instances import PAPER
+from beltsort.paper.outcomes import Point
 from beltsort.paper.printed import R_MIN
-from beltsort.paper.run import Results
-from beltsort.paper.scans import PreparedCell, scan_point, sort_batch
+from beltsort.paper.scans import PreparedCell, scan_point, sort_batch, true_labels
 from beltsort.paper.setup_figures import clouds_figure, propagation_figure, reached_sphere
-from beltsort.paper.style import save_drawn, save_figure
+from beltsort.paper.style import ERROR_BARS, save_figure
 from beltsort.sim import CellConfig
-from beltsort.sorting.belief_figure import draw_belief
+from beltsort.sorting.belief_figure import belief_figure
 from beltsort.sorting.journal import Entry, read_journal
-from beltsort.viewpoints.figure import draw_sphere
+from beltsort.viewpoints.figure import sphere_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -41,82 +47,93 @@ class Picture:
     caption: str
 
 
-def draw_all(results: Results, design: Design, seed: int, folder: Path) -> list[Picture]:
-    """Draw every figure as PNG and SVG into a folder, in the order of the report."""
-    return [
-        *_of_the_cell(results.cell, design, seed, folder),
-        *_of_the_rows(results, design.discounts[0], folder),
-    ]
+SHARED = "All panels have the same scales, and no point is shifted."
+
+
+def draw_all(numbers: Numbers, cell: PreparedCell, folder: Path) -> list[Picture]:
+    """Draw every figure as PNG, SVG and PDF into a folder, in the order of the report."""
+    about = numbers.circumstances
+    pictures = []
+    for name, figure, caption in (
+        *_of_the_cell(cell, about.design, about.seed),
+        *_of_the_rows(numbers, about.design.discounts[0]),
+    ):
+        save_figure(figure, folder, name)
+        pictures.append(Picture(name, caption))
+    return pictures
 
 
 def single_position_run(cell: PreparedCell, design: Design, seed: int) -> list[Entry]:
     """Sort ten bulbs from depth scans, seeing one position at a time; return the journal."""
-    point = scan_point(design, seed_of(seed, Stream.RUN), cell, positions=1, r_min=R_MIN, batch=0)
     with TemporaryDirectory() as folder:
         journal = Path(folder) / "journal.sqlite"
-        sort_batch(point, journal)
+        sort_batch(_single_position_point(cell, design, seed), journal)
         return read_journal(journal)
 
 
-def _of_the_cell(cell: PreparedCell, design: Design, seed: int, folder: Path) -> Iterator[Picture]:
+def _single_position_point(cell: PreparedCell, design: Design, seed: int) -> Point:
+    return scan_point(design, seed_of(seed, Stream.RUN), cell, positions=1, r_min=R_MIN, batch=0)
+
+
+def _of_the_cell(cell: PreparedCell, design: Design, seed: int) -> "Iterator[tuple[str, Figure, str]]":
     views, reached = reached_sphere()
-    yield _drawn(
-        lambda path: draw_sphere(views, path), folder, "figure_1_sphere",
+    yield (
+        "figure_1_sphere", sphere_figure(views),
         "Fig. 1: the half-sphere of viewpoints, the graph of neighbours, and three viewpoints far apart; "
         f"reachable is {reached}.",
     )  # fmt: skip
-    save_figure(clouds_figure(CellConfig(), seed), folder, "figure_1_clouds")
-    yield Picture("figure_1_clouds", "Fig. 1, continued: models of the classes, and candidates from scans.")
-    save_figure(propagation_figure(PAPER.model), folder, "figure_2_propagation")
-    yield Picture(
-        "figure_2_propagation",
+    yield (
+        "figure_1_clouds", clouds_figure(CellConfig(), seed),
+        "Fig. 1, continued: models of the classes, and candidates from simulated scans; the boxes measure "
+        "12 cm.",
+    )  # fmt: skip
+    yield (
+        "figure_2_propagation", propagation_figure(PAPER.model),
         "Fig. 2: how the belief is handed on: two scans, then the decision; what was learnt about the second "
         "position moves to the first, and a new object arrives behind it. Computed, not sketched.",
-    )
+    )  # fmt: skip
+    model = cell.instance.model
+    true = true_labels(_single_position_point(cell, design, seed), model.with_positions(1))
     entries = single_position_run(cell, design, seed)
-    yield _drawn(
-        lambda path: draw_belief(entries, path), folder, "figure_3_run",
-        f"Fig. 3: the belief over time in a run that sees one position, r_min = {R_MIN:g}, from depth scans; "
-        "dashed lines are decisions.",
+    yield (
+        "figure_3_run", belief_figure(entries, [model.classes[label] for label in true]),
+        f"Fig. 3: the belief over time in a run that sees one position, r_min = {R_MIN:g}, from depth scans "
+        "of the simulated cell. Dashed lines are decisions, after which the next object is at the belt end; "
+        "above each object, the first letter of its true class and of the class decided, white on black "
+        f"where that is wrong.",
     )  # fmt: skip
 
 
-def _of_the_rows(results: Results, discount: float, folder: Path) -> Iterator[Picture]:
-    rows = results.rows
-    drawn = [
-        (
-            "figure_4_one_position", accuracy_figure(rows, 1, discount),
-            "Fig. 4: right and wrong decisions of ten, one position; curves stand a little aside of each "
-            "other.",
-        ),
-        (
-            "figure_5_two_positions", accuracy_figure(rows, 2, discount),
-            "Fig. 5: the same, two positions.",
-        ),
-        (
-            "figure_6_steps", steps_figure(rows, discount),
-            "Fig. 6: steps to sort ten objects, one against two positions; the paper prints 52 steps in its "
-            "series over r_min and 75 in its comparison, both with r_min = 50.",
-        ),
-        (
-            "figure_7_one_against_two", one_against_two_figure(rows, discount),
-            "Fig. 7: the planners' right and wrong decisions, one against two positions.",
-        ),
-        (
-            "bounds", bounds_figure(results.optimum),
-            "Certified bounds of the best possible value, and what each policy loses against the upper one; "
-            "both depend on the machine's speed. Losses are of discounted reward.",
-        ),
-        (
-            "beyond", beyond_figure(results.beyond),
-            "Beyond the paper: a reward for information, more positions, a wrong table, the arrival prior.",
-        ),
-    ]  # fmt: skip
-    for name, figure, caption in drawn:
-        save_figure(figure, folder, name)
-        yield Picture(name, caption)
-
-
-def _drawn(draw: Callable[[Path], None], folder: Path, name: str, caption: str) -> Picture:
-    save_drawn(draw, folder, name)
-    return Picture(name, caption)
+def _of_the_rows(numbers: Numbers, discount: float) -> "Iterator[tuple[str, Figure, str]]":
+    rows = numbers.rows
+    common = f"Discount {discount:g}. {ERROR_BARS}. {SHARED}"
+    yield (
+        "figure_4_one_position", accuracy_figure(rows, 1, discount),
+        f"Fig. 4: right (filled) and wrong (hollow) decisions of ten, one position. {common}",
+    )  # fmt: skip
+    yield (
+        "figure_5_two_positions", accuracy_figure(rows, 2, discount),
+        f"Fig. 5: right (filled) and wrong (hollow) decisions of ten, two positions. {common}",
+    )  # fmt: skip
+    yield (
+        "figure_6_steps", steps_figure(rows, discount),
+        "Fig. 6: steps to sort ten objects, one position (filled, solid lines) and two (hollow, dashed). The "
+        "paper prints 52 steps in its series over r_min and 75 in its comparison, both with r_min = 50. "
+        f"{common}",
+    )  # fmt: skip
+    yield (
+        "figure_7_one_against_two", one_against_two_figure(rows, discount),
+        "Fig. 7: the planners' right (filled) and wrong (hollow) decisions of ten, one against two "
+        f"positions. {common}",
+    )  # fmt: skip
+    yield (
+        "bounds", bounds_figure(numbers.optimum),
+        "Certified bounds of the best possible value (paper's tables), and what each policy loses against "
+        "the upper one; both depend on the machine's speed. Losses are of discounted reward per batch; "
+        f"smaller ones than {LOSS_FLOOR:g} are drawn there. {ERROR_BARS}.",
+    )  # fmt: skip
+    yield (
+        "beyond", beyond_figure(numbers.beyond),
+        "Beyond the paper (paper's tables, r_min = 50): a reward for information, more positions, a wrong "
+        f"table, the arrival prior. The scale of right decisions does not begin at 0. {ERROR_BARS}.",
+    )  # fmt: skip

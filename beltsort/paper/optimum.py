@@ -99,7 +99,7 @@ def _losses(point: Mapping[str, Any], model: SortingModel, policy: Policy, solut
     return losses
 
 
-def losses_table(rows: list[Row]) -> list[dict[str, Any]]:
+def losses_table(rows: list[Row]) -> list[Row]:
     """Return bounds and losses as a plain table, a row per penalty and number of positions."""
     return [
         {
@@ -108,11 +108,23 @@ def losses_table(rows: list[Row]) -> list[dict[str, Any]]:
             "r_min": row["r_min"],
             "lower": row["lower"],
             "upper": row["upper"],
+            "batches": len(next(iter(row["losses"].values()))),
             **{
-                f"{'_'.join(WORD.findall(name))}_loss{suffix}": getattr(mean(losses), statistic)
+                f"{loss_of(name)}{suffix}": getattr(mean(losses), statistic)
                 for name, losses in row["losses"].items()
                 for suffix, statistic in (("", "value"), ("_standard_error", "standard_error"))
             },
         }
         for row in rows
     ]
+
+
+def loss_of(policy: str) -> str:
+    """Return the name of the column with a policy's loss.
+
+    Examples
+    --------
+    >>> loss_of("DESPOT (recommended)")
+    'DESPOT_recommended_loss'
+    """
+    return f"{'_'.join(WORD.findall(policy))}_loss"

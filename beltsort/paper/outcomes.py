@@ -56,6 +56,17 @@ def estimates(row: Row) -> dict[str, Estimate]:
     return {name: mean(row[name]) for name in OUTCOMES}
 
 
+def estimate_in(row: Row, outcome: str) -> Estimate:
+    """Return the estimate of an outcome in a row of a plain table.
+
+    Examples
+    --------
+    >>> estimate_in({"steps": 40.0, "steps_standard_error": 0.5, "batches": 100}, "steps")
+    Estimate(value=40.0, standard_error=0.5, n=100)
+    """
+    return Estimate(row[outcome], row[f"{outcome}_standard_error"], row["batches"])
+
+
 def pooled(rows: Sequence[Row]) -> list[Row]:
     """Join rows of one condition whose batches were run one by one; the order is that of the first rows."""
     together: dict[tuple[Any, ...], Row] = {}

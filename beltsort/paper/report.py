@@ -1,41 +1,30 @@
 """The report: one HTML file that needs no other."""
 
-import platform
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from html import escape
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import beltsort
 from beltsort.paper.curves import SOURCES
-from beltsort.paper.design import QUICK, Design
 from beltsort.paper.figures import Picture
-from beltsort.paper.files import SMOOTHING, printed_numbers
+from beltsort.paper.files import Numbers, printed_numbers
 from beltsort.paper.instances import PAPER
 from beltsort.paper.labels import LEVEL as LABELS
 from beltsort.paper.modes import STUDY as MODES
-from beltsort.paper.optimum import losses_table
-from beltsort.paper.outcomes import plain_table, select
+from beltsort.paper.outcomes import Row, select
 from beltsort.paper.policies import PUBLISHED, RECOMMENDED
 from beltsort.paper.printed import R_MIN, TABLES_PRINTED
-from beltsort.paper.run import Results
 from beltsort.paper.scans import LEVEL as SCANS
 from beltsort.paper.statistics import ClaimResult, Conclusion
-from beltsort.sim import CellConfig
-from beltsort.tables import Counts, table_one, table_two
-from beltsort.util.machine import processor_name, processors
 
-LIBRARIES = ("numpy", "scipy", "matplotlib", "open3d")
 STYLE = """
 body { font: 16px/1.5 serif; max-width: 64rem; margin: 2rem auto; padding: 0 1rem; color: black; }
 table { border-collapse: collapse; font: 13px sans-serif; margin: 1rem 0; }
 td, th { border-bottom: 1px solid #bbb; padding: 0.2rem 0.6rem; text-align: right; }
 td:first-child, th:first-child { text-align: left; }
-img { max-width: 100%; } figure { margin: 1.5rem 0; } pre { font-size: 13px; overflow-x: auto; }
+img { width: 100%; max-width: 34rem; } figure { margin: 1.5rem 0; } pre { font-size: 13px; overflow-x: auto; }
 .holds { font-weight: bold; } .fails { font-weight: bold; text-decoration: underline; }
 """
 THINNED = (
@@ -73,77 +62,77 @@ NOTES = {
     **dict.fromkeys(("bounds", "beyond"), PAPERS_TABLES),
 }
 """What the reader of a figure has to know of where its numbers come from, by its name."""
+CONCLUDED = (
+    "A claim <em>holds</em> if all of its 95 % confidence interval says so, <em>fails</em> if all of "
+    "it says the opposite, and is <em>open</em> otherwise, or from fewer than ten batches. Differences "
+    "are taken batch by batch on the same objects; p-values are two-sided and not corrected for the "
+    f"number of claims. {PAPERS_TABLES}"
+)
 SHOWN = ("objects", "positions", "r_min", "policy", "batches")
 MEANS = ("steps", "positives", "negatives")
 
 
 @dataclass(frozen=True)
-class Circumstances:
-    """How the results of a report were made.
+class Section:
+    """A part of the report with a heading.
 
     Attributes
     ----------
-    command
-        The command line or function call.
-    seed
-        Seed of all experiments.
-    design
-        What was run.
+    name
+        Its anchor.
+    title
+        Its heading.
+    body
+        HTML, line by line.
     """
 
-    command: str
-    seed: int
-    design: Design
-
-    def facts(self, seconds: Mapping[str, float]) -> dict[str, str]:
-        """Return command, seed, versions, machine and times as text, by name."""
-        return {
-            "made by": self.command,
-            "seed": str(self.seed),
-            "versions": ", ".join(
-                [f"beltsort {beltsort.__version__}", f"Python {platform.python_version()}"]
-                + [f"{name} {version(name)}" for name in LIBRARIES]
-            ),
-            "machine": f"{processor_name()}, {processors()} processors, {platform.platform()}",
-            "finished": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-            "seconds, this time": ", ".join(f"{name} {value:.0f}" for name, value in seconds.items()),
-        }
+    name: str
+    title: str
+    body: Sequence[str]
 
 
-def write_report(
-    results: Results, counts: Counts, pictures: Sequence[Picture], of: Circumstances, folder: Path
-) -> Path:
+def write_report(numbers: Numbers, pictures: Sequence[Picture], folder: Path) -> Path:
     """Write `report.html` into the folder of the pictures and return it."""
-    facts = of.facts(results.seconds)
-    body = [
-        "<h1>Sorting objects from a conveyor belt: the paper's experiments again</h1>",
-        *([f"<p><strong>{THINNED}</strong></p>"] if of.design == QUICK else []),
-        _table([{"": name, "this run": value} for name, value in facts.items()]),
-        "<h2>Tables I and II: the simulated cell's observation tables</h2>",
-        "<p>A simulated table says what the simulator was set to, not how a real camera behaves. "
-        f"{CELLS_VIEWPOINTS} {PAPERS_TABLES}</p>",
-        *(f"<pre>{escape(text)}</pre>" for text in _observation_tables(counts)),
-        "<h2>Figures</h2>",
-        f"<p>{escape(PLANNERS_SHOWN.format(trials=of.design.trials))}</p>",
-        *(_figure(picture, folder) for picture in pictures),
-        f"<h2>Numbers at r_min = {R_MIN:g}</h2>",
-        *_numbers(results, of.design.discounts[0]),
-        "<h2>What the paper prints of its robot</h2>",
-        _table(printed_numbers()),
-        "<h2>Bounds of the optimum, and losses against it</h2>",
-        _table(losses_table(results.optimum)),
-        *claims_section(results.claims()),
+    about = numbers.circumstances
+    discount = about.design.discounts[0]
+    made = _table([{"": name, "this run": value} for name, value in about.rows().items()])
+    planners = f"<p>{escape(PLANNERS_SHOWN.format(trials=about.design.trials))}</p>"
+    sections = [
+        Section("findings", "Findings", list(main_findings(numbers.findings))),
+        Section("tables", "Tables I and II: observation tables", list(observation_tables(numbers.tables))),
+        Section("figures", "Figures", [planners, *(_figure(picture, folder) for picture in pictures)]),
+        Section("numbers", f"Numbers at r_min = {R_MIN:g}", list(_numbers(numbers, discount))),
+        Section("printed", "What the paper prints of its robot", [_table(printed_numbers())]),
+        Section("optimum", "Bounds of the optimum, and losses against it", [_table(numbers.optimum)]),
+        Section("claims", "All findings, by condition", claims_section(numbers.findings)),
+        Section("made", "How this was made", [made]),
     ]
     path = folder / "report.html"
-    path.write_text(_page("\n".join(body)), encoding="utf-8")
+    path.write_text(_page(sections, thinned=about.quick), encoding="utf-8")
     return path
+
+
+def main_findings(results: Sequence[ClaimResult]) -> Iterable[str]:
+    """Yield the findings of the paper's own condition, which is the first, in words, and those on scans."""
+    own = results[0].where
+    shown = [result for result in results if result.where == own or result.where.startswith(SCANS)]
+    yield f"<p>{CONCLUDED}</p>"
+    yield from _by_condition(shown)
+    yield "<p>All others are <a href='#claims'>at the end</a>.</p>"
+
+
+def _by_condition(results: Sequence[ClaimResult]) -> Iterable[str]:
+    for where in dict.fromkeys(result.where for result in results):
+        yield f"<h3>{escape(where)}</h3><ul>"
+        for r in results:
+            if r.where == where:
+                said = f"<span class='{r.conclusion}'>{r.conclusion}</span>"
+                yield f"<li>{escape(r.claim)}: {said}. {escape(r.text)}</li>"
+        yield "</ul>"
 
 
 def claims_section(results: Sequence[ClaimResult]) -> list[str]:
     """Return in how many conditions each claim holds, then every result in words, by condition."""
-    by_condition: dict[str, list[ClaimResult]] = {}
-    for result in results:
-        by_condition.setdefault(result.where, []).append(result)
     counts = [
         {"claim": claim}
         | {
@@ -152,30 +141,52 @@ def claims_section(results: Sequence[ClaimResult]) -> list[str]:
         }
         for claim in dict.fromkeys(result.claim for result in results)
     ]
-    lines = [
-        "<h2 id='findings'>Findings</h2>",
-        "<p>A claim <em>holds</em> if all of its 95 % confidence interval says so, <em>fails</em> if all of "
-        "it says the opposite, and is <em>open</em> otherwise, or from fewer than ten batches. Differences "
-        "are taken batch by batch on the same objects; p-values are two-sided and not corrected for the "
-        f"number of claims. {PAPERS_TABLES}</p>",
-        _table(counts),
-    ]
-    for where, found in by_condition.items():
-        lines.append(f"<h3>{escape(where)}</h3><ul>")
-        lines += [
-            f"<li>{escape(r.claim)}: <span class='{r.conclusion}'>{r.conclusion}</span>. "
-            f"{escape(r.text)}</li>"
-            for r in found
-        ]
-        lines.append("</ul>")
-    return lines
+    return [_table(counts), *_by_condition(results)]
 
 
-def _observation_tables(counts: Counts) -> list[str]:
-    config = CellConfig()
-    names = [viewpoint.name for viewpoint in config.viewpoints]
-    p_obs = counts.probabilities(SMOOTHING)
-    return [table_one(p_obs, config.classes, names, true=0), table_two(p_obs, config.classes, names)]
+def observation_tables(entries: Sequence[Row]) -> Iterable[str]:
+    """Yield Table I and Table II of the simulated cell with standard errors, the paper's numbers beside them.
+
+    Parameters
+    ----------
+    entries
+        From `beltsort.paper.files.table_entries`.
+    """
+    yield (
+        "<p>A simulated table says what the simulator was set to, not how a real camera behaves. "
+        f"{CELLS_VIEWPOINTS} {PAPERS_TABLES} Those printed stand beside ours here. ± is one standard error.</p>"
+    )
+    first = entries[0]["true"]
+    one = [entry for entry in entries if (entry["position"], entry["true"]) == (1, first)]
+    yield f"<h3>Table I: p(observed | true = {escape(first)}), position 1</h3>"
+    yield _table(_table_rows(one))
+    yield "<h3>Table II: p(observed | true), both positions, all classes</h3>"
+    yield _table(_table_rows(entries))
+
+
+def _table_rows(entries: Sequence[Row]) -> list[dict[str, str]]:
+    """Return a row for each position, true class and viewpoint, a column for each observed class."""
+    rows: dict[tuple[int, str, str], dict[str, str]] = {}
+    for entry in entries:
+        position, true, viewpoint = key = entry["position"], entry["true"], entry["viewpoint"]
+        row = rows.setdefault(key, {"position": str(position), "true": true, "viewpoint": viewpoint})
+        row[entry["observed"]] = f"{entry['probability']:.3f} ± {entry['standard_error']:.3f}"
+        row[f"{entry['observed']}, paper"] = _printed(position, true, viewpoint, entry["observed"])
+    return list(rows.values())
+
+
+def _printed(position: int, true: str, viewpoint: str, observed: str) -> str:
+    """Return an entry as the paper prints it; empty if it does not."""
+    if (position, true) not in TABLES_PRINTED:
+        return ""
+    model = PAPER.model
+    k, a, b = (
+        names.index(name)
+        for names, name in zip(
+            (model.viewpoints, model.classes, model.labels), (viewpoint, true, observed), strict=True
+        )
+    )
+    return f"{model.p_obs[position - 1, k, a, b]:.1f}"
 
 
 def _figure(picture: Picture, folder: Path) -> str:
@@ -185,9 +196,9 @@ def _figure(picture: Picture, folder: Path) -> str:
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 
-def _numbers(results: Results, discount: float) -> Iterable[str]:
+def _numbers(numbers: Numbers, discount: float) -> Iterable[str]:
     for title, source in (*SOURCES, *WITH_MODES):
-        rows = select(results.rows, discount=discount, r_min=R_MIN, **source)
+        rows = select(numbers.rows, discount=discount, r_min=R_MIN, **source)
         if not rows:
             continue
         rows.sort(
@@ -198,7 +209,7 @@ def _numbers(results: Results, discount: float) -> Iterable[str]:
             [
                 {name: row[name] for name in SHOWN}
                 | {name: f"{row[name]:.2f} ± {row[f'{name}_standard_error']:.2f}" for name in MEANS}
-                for row in plain_table(rows)
+                for row in rows
             ]
         )
 
@@ -215,6 +226,15 @@ def _cell(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def _page(body: str) -> str:
+def _page(sections: Sequence[Section], *, thinned: bool) -> str:
     head = f"<meta charset='utf-8'><title>beltsort: the paper again</title><style>{STYLE}</style>"
+    links = "".join(f"<li><a href='#{section.name}'>{escape(section.title)}</a></li>" for section in sections)
+    lines = [
+        "<h1>Sorting objects from a conveyor belt: the paper's experiments again</h1>",
+        *([f"<p><strong>{THINNED}</strong></p>"] if thinned else []),
+        f"<nav><ol>{links}</ol></nav>",
+    ]
+    for section in sections:
+        lines += [f"<h2 id='{section.name}'>{escape(section.title)}</h2>", *section.body]
+    body = "\n".join(lines)
     return f"<!DOCTYPE html>\n<html lang='en'><head>{head}</head>\n<body>\n{body}\n</body></html>\n"

@@ -1,13 +1,15 @@
-"""One call that runs the experiments and writes every figure, table and the report."""
+"""One call that runs the experiments and writes every figure, table and the report, and one that redraws."""
 
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import perf_counter
 
+from beltsort.paper.circumstances import Circumstances
 from beltsort.paper.design import FULL, Design
 from beltsort.paper.figures import Picture, draw_all
-from beltsort.paper.files import write_tables
-from beltsort.paper.report import Circumstances, write_report
+from beltsort.paper.files import Numbers
+from beltsort.paper.report import write_report
 from beltsort.paper.run import STORE, Results, cell_of, run_experiments
 from beltsort.sim.demo import check_seed
 from beltsort.sim.prepare import Prepared, StageProgress
@@ -15,25 +17,38 @@ from beltsort.sorting.runs import make_folder
 
 
 @dataclass(frozen=True, eq=False)
-class Reproduction:
+class Redrawn:
+    """Figures and report, and the numbers that they show.
+
+    Attributes
+    ----------
+    numbers
+        What they show.
+    pictures
+        The figures; each is there as PNG, SVG and PDF.
+    report
+        The HTML file.
+    """
+
+    numbers: Numbers
+    pictures: list[Picture]
+    report: Path
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction(Redrawn):
     """The files that were written, and the numbers in them.
 
     Attributes
     ----------
     results
         All rows.
-    pictures
-        The figures; each is there as PNG and SVG.
     tables
         The CSV files.
-    report
-        The HTML file.
     """
 
     results: Results
-    pictures: list[Picture]
     tables: list[Path]
-    report: Path
 
 
 def reproduce(
@@ -72,11 +87,42 @@ def reproduce(
     make_folder(folder)
     cell = cell_of(prepared, folder / STORE)
     results = run_experiments(cell, folder, design, seed=seed, workers=workers, stage=stage)
+    about = Circumstances.now(command, seed, design, results.seconds)
+    numbers = Numbers.of(results, prepared.counts, about)
+    tables = numbers.write(folder)
     began = perf_counter()
-    tables = write_tables(results, prepared.counts, folder)
-    pictures = draw_all(results, design, seed, folder)
+    drawn = _draw(prepared, numbers, folder)
     results.seconds["figures"] = perf_counter() - began
-    of = Circumstances(command, seed, design)
-    return Reproduction(
-        results, pictures, tables, write_report(results, prepared.counts, pictures, of, folder)
-    )
+    return Reproduction(numbers, drawn.pictures, drawn.report, results, tables)
+
+
+def redraw(prepared: Prepared, source: Path, folder: Path) -> Redrawn:
+    """Draw the figures and write the report from the files of an earlier reproduction.
+
+    Figures 1 to 3 show no numbers of these files: they are computed again.
+
+    Parameters
+    ----------
+    prepared
+        As in `reproduce`; for Fig. 3.
+    source
+        Folder of the reproduction.
+    folder
+        Where figures and report are written; may be the same.
+
+    Raises
+    ------
+    ArgumentError
+        If the source has no such files.
+    JournalError
+        If the folder cannot be made.
+    """
+    numbers = Numbers.read(source)
+    make_folder(folder)
+    return _draw(prepared, numbers, folder)
+
+
+def _draw(prepared: Prepared, numbers: Numbers, folder: Path) -> Redrawn:
+    with TemporaryDirectory() as scratch:
+        pictures = draw_all(numbers, cell_of(prepared, Path(scratch)), folder)
+    return Redrawn(numbers, pictures, write_report(numbers, pictures, folder))

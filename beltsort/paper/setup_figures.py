@@ -15,7 +15,7 @@ from beltsort.perception import segment
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.bulbs import bulb
 from beltsort.util.colours import COLOURS
-from beltsort.util.extras import extra
+from beltsort.util.figure_style import COLUMN, column_style, empty_figure
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from beltsort.viewpoints.arm import Arm, load_pinocchio
 from beltsort.viewpoints.robots import robot_urdf
@@ -54,27 +54,22 @@ def reached_sphere() -> tuple[ViewpointMap, str]:
     return views, reached
 
 
+@column_style()
 def clouds_figure(config: CellConfig, seed: int) -> "Figure":
     """Draw the mesh of each class as points, and below it a candidate that was cut from a scan."""
-    with extra("plot"):
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
     models = [bulb(name).vertices for name in config.classes]
     rows = (("model", models), ("candidate", candidates(config, seed)))
-    figure = Figure(figsize=(2.4 * len(models), 5.0), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = empty_figure(COLUMN, 2.2)
     limits = (-HALF_HEIGHT, HALF_HEIGHT)
     for line, (kind, clouds) in enumerate(rows):
         for i, (name, points) in enumerate(zip(config.classes, clouds, strict=True)):
             panel = figure.add_subplot(len(rows), len(models), line * len(models) + i + 1, projection="3d")
             centred = points - (points.min(axis=0) + points.max(axis=0)) / 2.0 if len(points) else points
-            panel.scatter(*centred.T, s=1.5, color=COLOURS[i], depthshade=False, rasterized=True)
+            panel.scatter(*centred.T, s=0.3, color=COLOURS[i], depthshade=False, rasterized=True)
             panel.set(xlim=limits, ylim=limits, zlim=limits, xticks=(), yticks=(), zticks=())
-            panel.set_title(f"{kind}: {name}\n{len(points)} points", fontsize=9)
+            panel.set_title(f"{kind}:\n{name}\n{len(points)} points", pad=0.0)
             panel.set_box_aspect((1.0, 1.0, 1.0))
             panel.view_init(20.0, 35.0)
-    figure.suptitle("Models, and candidates cut from simulated scans; the boxes measure 12 cm", fontsize=10)
     return figure
 
 
@@ -123,21 +118,21 @@ def propagated(
     return [*stages, (f"decide {model.classes[label]},\nbelt moves on", belief.probabilities)]
 
 
+@column_style()
 def propagation_figure(model: SortingModel) -> "Figure":
-    """Draw the belief of each position, stage by stage."""
+    """Draw the belief of each position, a row per stage; the belt moves from right to left."""
     stages = propagated(model)
-    figure, panels = new_figure(model.positions, len(stages), (2.5, 2.0))
-    for column, (name, probabilities) in zip(panels.T, stages, strict=True):
-        column[0].set_title(name, fontsize=9)
-        for j, panel in enumerate(column):
-            bars = panel.bar(model.classes, probabilities[j], edgecolor="black")
+    figure, panels = new_figure(len(stages), model.positions, 0.75, sharex=True, sharey=True)
+    for line, (name, probabilities) in zip(panels, stages, strict=True):
+        line[0].set_title(name.replace("\n", " "), loc="left")
+        for j, panel in enumerate(line):
+            bars = panel.barh(model.classes, probabilities[j], edgecolor="black", linewidth=0.5)
             for i, bar in enumerate(bars):
                 bar.set(facecolor=COLOURS[i % len(COLOURS)], hatch=HATCHES[i % len(HATCHES)])
-                panel.text(
-                    i, probabilities[j, i], f"{probabilities[j, i]:.2f}", ha="center", va="bottom", fontsize=8
-                )
-            panel.set(ylim=(0.0, 1.15), yticks=(0.0, 0.5, 1.0))
-            panel.tick_params(axis="x", rotation=30, labelsize=7)
-    for j, panel in enumerate(panels[:, 0]):
-        panel.set_ylabel(f"belief, position {j + 1}")
+                p = probabilities[j, i]
+                panel.text(p + 0.02, i, f"{p:.2f}", ha="left", va="center")
+            panel.set(xlim=(0.0, 1.2), xticks=(0.0, 0.5, 1.0))
+    panels[0, 0].invert_yaxis()  # the first class on top; the axis is shared
+    for j, panel in enumerate(panels[-1]):
+        panel.set_xlabel(f"belief, position {j + 1}")
     return figure

@@ -5,7 +5,7 @@ statistic is of one number per batch.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
@@ -218,3 +218,21 @@ class ClaimResult:
             **{name: number_or_none(value) for name, value in numbers.items()},
             "text": self.text,
         }
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "ClaimResult":
+        """Return the result that `plain` has made plain data, also from the text of a CSV file.
+
+        Raises
+        ------
+        KeyError, ValueError
+            If a key is missing, or a value is not of its kind.
+        """
+        value, error = (float(plain[name] or "nan") for name in ("value", "standard_error"))
+        return cls(
+            plain["claim"],
+            plain["where"],
+            Conclusion(plain["verdict"]),
+            Estimate(value, error, int(plain["n"])),
+            plain["text"],
+        )

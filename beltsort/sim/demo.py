@@ -114,7 +114,8 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
     write_true_classes(folder, 0, labels)
     report = sort_into(folder, cell, perception, planner, model, objects=OBJECTS, listener=listener)
     sorted_at = perf_counter()
-    draw_belief(read_journal(folder / JOURNAL), folder / "belief.png")
+    true = [config.classes[label] for label in labels]
+    draw_belief(read_journal(folder / JOURNAL), folder / "belief.png", true)
     seconds = {
         **prepared.seconds,
         "planner": ready - began,

@@ -14,16 +14,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 from beltsort import paper
 from beltsort.cli import main
 from beltsort.cli.reproduce import show_text
-from beltsort.paper import Reproduction, run_experiments
+from beltsort.paper import Reproduction, printed, redraw, run_experiments
 from beltsort.paper.beyond import BONUS
-from beltsort.paper.files import REPRODUCIBLE, write_tables
+from beltsort.paper.files import REPRODUCIBLE, Numbers
 from beltsort.paper.policies import PLANNERS, PUBLISHED, RECOMMENDED
+from beltsort.paper.printed import TABLES_PRINTED
+from beltsort.paper.report import observation_tables
 from beltsort.paper.run import STORE
 from beltsort.sim.prepare import Prepared
+from beltsort.util.figure_style import COLUMN, LETTERS
 from tests.waiting import wait_until
 
 from .conftest import Commanded
@@ -51,18 +55,67 @@ def test_every_figure_is_there_and_shows_something(reproduction: Reproduction, f
 
 def test_axes_have_names_and_the_papers_numbers_are_marked(reproduction: Reproduction, folder: Path) -> None:
     texts = re.findall(r"<!-- *(.*?) *-->", (folder / "figure_6_steps.svg").read_text())
-    assert texts.count("steps for ten objects") == 6
+    assert texts.count("steps for ten objects") == 3  # one for each row of panels, which share it
     assert {"paper's robot, one position", "paper's robot, two positions"} <= set(texts)
-    assert {f"{planner}, two positions" for planner in PLANNERS} <= set(texts)
+    assert {*PLANNERS, "filled: one position", "hollow: two positions"} <= set(texts)
 
 
 def test_the_report_needs_no_other_file(reproduction: Reproduction) -> None:
     page = reproduction.report.read_text()
-    assert not re.search(r"(?:src|href)=['\"](?!data:)", page)
+    assert not re.search(r"(?:src|href)=['\"](?!data:|#)", page)
     assert page.count("data:image/png;base64,") == len(FIGURES)
     for said in ("beltsort 0", "processors", "p(observed | true = elongated), position 1"):
         assert said in page
-    assert page.rindex("Findings</h2>") > page.rindex("</figure>"), "the findings end it"
+    assert page.index("Findings</h2>") < page.index("<figure>"), "the findings open it"
+
+
+def test_the_contents_lead_to_every_section(reproduction: Reproduction) -> None:
+    page = reproduction.report.read_text()
+    linked = re.findall(r"<li><a href='#(.*?)'>", page)
+    assert linked == re.findall(r"<h2 id='(.*?)'>", page)
+    assert linked[0] == "findings"
+
+
+def test_the_papers_numbers_stand_beside_ours_where_it_prints_them(reproduction: Reproduction) -> None:
+    rows = list(observation_tables(reproduction.numbers.tables))[-1].split("<tr>")
+    (own,) = [row for row in rows if "<td>1</td><td>elongated</td><td>p1</td>" in row]
+    assert re.findall(r"<td>(\d\.\d)</td>", own) == ["0.6", "0.2", "0.0", "0.2"]
+    assert len(re.findall(r"<td>\d\.\d{3} ± \d\.\d{3}</td>", own)) == 4
+    shown = sum(bool(re.search(r"<td>\d\.\d</td>", row)) for row in rows)
+    assert shown == 3 * len(TABLES_PRINTED)
+
+
+def test_figures_and_report_are_drawn_again_from_the_files(
+    prepared: Prepared, reproduction: Reproduction, folder: Path, tmp_path: Path
+) -> None:
+    again = redraw(prepared, folder, tmp_path)
+    said, before = ([r.plain() for r in each.numbers.findings] for each in (again, reproduction))
+    assert said == before
+    assert again.numbers.circumstances == reproduction.numbers.circumstances
+    for name in FIGURES:
+        for ending in (".png", ".svg", ".pdf"):
+            assert (tmp_path / f"{name}{ending}").read_bytes() == (folder / f"{name}{ending}").read_bytes()
+    assert again.report.read_bytes() == reproduction.report.read_bytes()
+
+
+def test_redrawing_needs_a_reproduction(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["reproduce", "--from", str(tmp_path)]) == 2
+    assert "expected a folder that `beltsort reproduce` has written" in capsys.readouterr().err
+
+
+def test_panels_that_are_compared_share_their_scales_and_points_are_where_they_belong(
+    reproduction: Reproduction,
+) -> None:
+    rows = reproduction.numbers.rows
+    for figure in (paper.accuracy_figure(rows, 2, 0.95), paper.steps_figure(rows, 0.95)):
+        panels = [panel for panel in figure.axes if panel.get_xlabel() or panel.lines]
+        assert len({panel.get_ylim() for panel in panels}) == len({panel.get_xlim() for panel in panels}) == 1
+        assert figure.get_figwidth() == COLUMN
+        texts = [text for text in figure.findobj(Text) if text.get_text()]
+        assert min(float(text.get_fontsize()) for text in texts) >= LETTERS
+        penalties = {row["r_min"] for row in rows} | set(printed.STEPS)
+        drawn = {x for panel in panels for line in panel.lines for x in np.asarray(line.get_xdata()).tolist()}
+        assert drawn <= penalties
 
 
 def test_the_report_says_which_tables_and_viewpoints_are_not_the_papers(reproduction: Reproduction) -> None:
@@ -169,7 +222,8 @@ def test_killed_resumed_and_on_two_processes_the_numbers_are_the_same(
     )  # fmt: skip
     assert first["labels"][0] == first["labels"][1], "what was finished is not run again"
     assert left["scans"] < first["scans"][0] < first["scans"][1]
-    write_tables(resumed, prepared.counts, tmp_path)
+    about = reproduction.numbers.circumstances
+    Numbers.of(resumed, prepared.counts, about).write(tmp_path)
     for name in REPRODUCIBLE:
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
 

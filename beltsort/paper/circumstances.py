@@ -1,0 +1,74 @@
+"""How the results of a reproduction were made."""
+
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import Any
+
+import beltsort
+from beltsort.paper.design import QUICK, Design
+from beltsort.util.machine import processor_name, processors
+
+LIBRARIES = ("numpy", "scipy", "matplotlib", "open3d")
+
+
+@dataclass(frozen=True)
+class Circumstances:
+    """How the results of a report were made.
+
+    Attributes
+    ----------
+    command
+        The command line or function call.
+    seed
+        Seed of all experiments.
+    design
+        What was run.
+    facts
+        Versions, machine and times as text, by name.
+    """
+
+    command: str
+    seed: int
+    design: Design
+    facts: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def now(cls, command: str, seed: int, design: Design, seconds: Mapping[str, float]) -> "Circumstances":
+        """Return those of a run that ends now; `seconds` are the durations of its stages, by name."""
+        facts = {
+            "versions": ", ".join(
+                [f"beltsort {beltsort.__version__}", f"Python {platform.python_version()}"]
+                + [f"{name} {version(name)}" for name in LIBRARIES]
+            ),
+            "machine": f"{processor_name()}, {processors()} processors, {platform.platform()}",
+            "finished": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+            "seconds, this time": ", ".join(f"{name} {value:.0f}" for name, value in seconds.items()),
+        }
+        return cls(command, seed, design, facts)
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Circumstances":
+        """Return those that `dataclasses.asdict` has made plain data, also after JSON.
+
+        Raises
+        ------
+        TypeError
+            If keys are missing or unknown.
+        """
+        design: dict[str, Any] = {
+            name: tuple(value) if isinstance(value, list) else value
+            for name, value in plain["design"].items()
+        }
+        return cls(**{**plain, "design": Design(**design)})
+
+    @property
+    def quick(self) -> bool:
+        """Whether it was the quick run."""
+        return self.design == QUICK
+
+    def rows(self) -> dict[str, str]:
+        """Return everything but the design as text, by name."""
+        return {"made by": self.command, "seed": str(self.seed), **self.facts}
