@@ -1,6 +1,7 @@
 """Runs with the cell of a cell file."""
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,10 +16,11 @@ from beltsort.cellfile.ingredients import model_and_classifier, model_file, poli
 from beltsort.errors import CellError
 from beltsort.perception import Classifier, perception_for
 from beltsort.planning.policy import Policy
+from beltsort.rrd import Recorder, recorded
 from beltsort.sim.prepare import StageProgress
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listener
-from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper
+from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper, all_of
 from beltsort.sorting.locks import devices_locked, locked
 from beltsort.sorting.loop import Check, nothing, resume_sorting
 from beltsort.sorting.progress import Progress
@@ -87,12 +89,14 @@ class CellRun:
         check: Check = nothing,
         *,
         allow_hold: bool = False,
+        recorder: Recorder | None = None,
     ) -> SortingReport:
         """Sort the objects, or those that are left, and record every step in the journal.
 
         All devices are stopped if the run ends early. `operator` and `check` are as in
         `beltsort.sorting.loop.sort_objects`. `allow_hold` makes a token with which a person can hold and
-        continue the run (`beltsort.sorting.requests`); a run without it goes on after an earlier hold.
+        continue the run (`beltsort.sorting.requests`); a run without it goes on after an earlier hold. A
+        `recorder` writes a recording for the rerun viewer.
 
         Raises
         ------
@@ -104,16 +108,24 @@ class CellRun:
             As in `beltsort.sorting.loop.sort_objects`.
         """
         make_folder(self.folder)
-        with locked(f"the run {self.folder}", self.folder / LOCK), devices_locked(self.devices):
+        run = locked(f"the run {self.folder}", self.folder / LOCK)
+        with run, devices_locked(self.devices), recorder or nullcontext():
             if not allow_hold:
                 drop_requests(self.folder)
-                return self._sort(listener, operator, check, None)
+                return self._sort(listener, operator, check, None, recorder)
             with taking_requests(self.folder):
-                return self._sort(listener, operator, check, self.folder)
+                return self._sort(listener, operator, check, self.folder, recorder)
 
     def _sort(
-        self, listener: Listener | None, operator: Operator, check: Check, requests: Path | None
+        self,
+        listener: Listener | None,
+        operator: Operator,
+        check: Check,
+        requests: Path | None,
+        recorder: Recorder | None,
     ) -> SortingReport:
+        listener = recorded(recorder, listener)
+        scan_listener = None if recorder is None else recorder.scanned
         description = self.description
         settings = description.perception
         perception = perception_for(self.model, description.layout, self.classifier, settings)
@@ -126,7 +138,7 @@ class CellRun:
                     drift=description.drift,
                     check=check,
                     requests=requests,
-                    scan_listener=ScanKeeper(self.folder / LAST_SCAN, self.cell),
+                    scan_listener=all_of(ScanKeeper(self.folder / LAST_SCAN, self.cell), scan_listener),
                 )
         first = self._first_object()
         check_ready(self.cell)
@@ -149,6 +161,7 @@ class CellRun:
             listener=listener,
             check=check,
             requests=requests,
+            scan_listener=scan_listener,
         )
 
     def _first_object(self) -> int:

@@ -197,3 +197,13 @@ def check_writable(path: Path) -> None:
         raise ArgumentError(f"{path}: there is no directory {path.parent}; make it first")
     if not os.access(path.parent, os.W_OK):
         raise ArgumentError(f"{path}: the directory {path.parent} cannot be written to; name another")
+
+
+def add_rrd(parser: ArgumentParser) -> None:
+    """Add `--rrd`."""
+    parser.add_argument(
+        "--rrd",
+        type=Path,
+        metavar="FILE",
+        help="record clouds, beliefs, values and decisions in a file for the rerun viewer (extra `rerun`)",
+    )

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from beltsort.cli.arguments import Subparsers, add_json
-from beltsort.cli.output import print_json
+from beltsort.cli.arguments import Subparsers, add_json, add_rrd
+from beltsort.cli.output import print_json, print_recording, print_status
 from beltsort.cli.prepare import add_objects, recipe_of
 from beltsort.cli.progress import stage_progress
 from beltsort.util.extras import require
@@ -30,6 +30,7 @@ def add_parser(subparsers: Subparsers) -> None:
         "--seed", type=int, default=0, help="seed of objects, sensor noise and planner (default: 0)"
     )
     add_objects(parser)
+    add_rrd(parser)
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -40,6 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     from beltsort.cli.console import RunConsole
     from beltsort.cli.live import run_display
     from beltsort.planning.bins import sorting_statistics
+    from beltsort.rrd.package import load_rerun
     from beltsort.sim.demo import as_json, check_seed, run_demo
     from beltsort.sim.prepare import prepare
     from beltsort.sorting.runs import make_folder, run_name
@@ -47,16 +49,20 @@ def run(arguments: argparse.Namespace) -> int:
     console = RunConsole(stderr=arguments.json)
     # Arguments are checked before minutes are spent on training.
     check_seed(arguments.seed)
+    if arguments.rrd is not None:
+        load_rerun()
     recipe = recipe_of(arguments)
     runs = make_folder(Path("runs"))
     with stage_progress(console) as stage:
         prepared = prepare(recipe, progress=stage)
     _print_tables(console, prepared)
     with run_display(console) as listener:
-        result = run_demo(prepared, arguments.seed, make_folder(runs / run_name()), listener)
+        folder = make_folder(runs / run_name())
+        result = run_demo(prepared, arguments.seed, folder, listener, rrd=arguments.rrd, say=print_status)
     console.print(f"{result.correct} of {len(result.report.decisions)} right in {result.report.steps} steps")
     console.print(f"\nobjects by bin and true class:\n{sorting_statistics(result.model, result.confusion)}")
     console.print(f"journal, model and figure: {result.folder}")
+    print_recording(arguments.rrd)
     if arguments.json:
         print_json(as_json(result, arguments.seed))
     return 0

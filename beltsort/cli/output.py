@@ -1,10 +1,12 @@
 """What the commands print."""
 
 import json
+import shlex
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from beltsort import Decide, Move, SortingModel
@@ -48,6 +50,12 @@ def warnings_on_lines() -> Iterator[None]:
         finally:
             if given > MOST_WARNINGS:
                 print_status(f"beltsort: and {given - MOST_WARNINGS} more warnings")
+
+
+def print_recording(path: Path | None) -> None:
+    """Print how to look at a recording, if there is one."""
+    if path is not None:
+        print_status(f"recording: {path}; to look at it: {shlex.join(['rerun', str(path)])}")
 
 
 def print_table(rows: Sequence[Sequence[str]]) -> None:

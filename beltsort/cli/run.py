@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError, BeltsortError
 from beltsort.cell.commands import SortInto
-from beltsort.cli.arguments import Subparsers, add_cell, add_json
+from beltsort.cli.arguments import Subparsers, add_cell, add_json, add_rrd
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
-from beltsort.cli.output import print_cell_mode, print_json, print_status
+from beltsort.cli.output import print_cell_mode, print_json, print_recording, print_status
 from beltsort.cli.progress import stage_progress
 from beltsort.planning.named_policy import HELP, located_policy
 from beltsort.sorting.holds import Answer, HeldError, Hold
@@ -69,6 +69,7 @@ def add_parser(subparsers: Subparsers) -> None:
         action="store_true",
         help="let `beltsort watch RUN --control` hold the run between two steps, and continue it",
     )
+    add_rrd(parser)
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -76,13 +77,17 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: Namespace) -> int:
     """Run the command."""
     from beltsort.cellfile.results import as_json
-    from beltsort.cellfile.run import open_run
+    from beltsort.cellfile.run import open_run, true_class_of
     from beltsort.cli.console import RunConsole, discard
     from beltsort.cli.live import run_display
     from beltsort.perception.checks import counted_warnings
+    from beltsort.rrd import Recorder
+    from beltsort.rrd.package import load_rerun
     from beltsort.sorting.runs import make_folder
 
     console = RunConsole(stderr=arguments.json)
+    if arguments.rrd is not None:
+        load_rerun()
     description = load_description(arguments)
     runs = make_folder(Path("runs"))
     with stage_progress(console) as stage:
@@ -99,11 +104,21 @@ def run(arguments: Namespace) -> int:
     if arguments.allow_hold:
         watching = shlex.join(["beltsort", "watch", str(opened.folder), "--control"])
         console.print(f"to hold and continue the run: {watching}")
+    true_class = true_class_of(opened.devices)
+    recorder = (
+        None
+        if arguments.rrd is None
+        else Recorder(arguments.rrd, opened.cell, opened.model, print_status, true_class)
+    )
     operator = CommandLineOperator(arguments.settle, opened.broken_off)
     with Interrupts() as interrupts, run_display(console) as listener:
         try:
             with counted_warnings():
-                report = opened.sort(listener, operator, interrupts.check, allow_hold=arguments.allow_hold)
+                report = opened.sort(
+                    *(listener, operator, interrupts.check),
+                    allow_hold=arguments.allow_hold,
+                    recorder=recorder,
+                )
         except HeldError as held:
             print_status(f"beltsort: {held}")
             for line in ways_to_resume(held.hold, arguments, opened):
@@ -114,6 +129,7 @@ def run(arguments: Namespace) -> int:
                 print_status(f"beltsort: to resume: {shlex.join(resume_command(arguments, opened))}")
             raise
     print_result(console, opened, report)
+    print_recording(arguments.rrd)
     if arguments.json:
         try:
             print_json(as_json(opened, report))

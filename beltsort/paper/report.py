@@ -154,7 +154,8 @@ def observation_tables(entries: Sequence[Row]) -> Iterable[str]:
     """
     yield (
         "<p>A simulated table says what the simulator was set to, not how a real camera behaves. "
-        f"{CELLS_VIEWPOINTS} {PAPERS_TABLES} Those printed stand beside ours here. ± is one standard error.</p>"
+        f"{CELLS_VIEWPOINTS} {PAPERS_TABLES} Those printed stand beside ours here. "
+        "± is one standard error.</p>"
     )
     first = entries[0]["true"]
     one = [entry for entry in entries if (entry["position"], entry["true"]) == (1, first)]

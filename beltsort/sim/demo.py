@@ -1,6 +1,8 @@
 """The demonstration: ten bulbs sorted from depth scans of the simulated cell."""
 
 import json
+from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 import beltsort
 from beltsort.perception import Perception
 from beltsort.planning.decisions import right_bins
+from beltsort.rrd import Recorder, recorded
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.prepare import Prepared
 from beltsort.sorting.belief_figure import draw_belief
@@ -78,7 +81,15 @@ def check_seed(seed: int) -> None:
         raise beltsort.ArgumentError(f"seed is {seed}, expected an integer of at least 0; choose another")
 
 
-def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | None = None) -> DemoResult:
+def run_demo(
+    prepared: Prepared,
+    seed: int,
+    folder: Path,
+    listener: Listener | None = None,
+    *,
+    rrd: Path | None = None,
+    say: Callable[[str], None] = print,
+) -> DemoResult:
     """Sort ten bulbs of the simulated cell, planning with DESPOT.
 
     Labels, actions and decisions are reproducible from the seed.
@@ -93,11 +104,17 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
         An existing folder for journal, model and figure.
     listener
         Called with every journal entry.
+    rrd
+        File of a recording for the rerun viewer; None: there is none.
+    say
+        Called with a line if the recording fails.
 
     Raises
     ------
     ArgumentError
         If the seed is negative.
+    RecordingError
+        If the recording cannot be begun.
     """
     check_seed(seed)
     config = CellConfig()
@@ -112,7 +129,18 @@ def run_demo(prepared: Prepared, seed: int, folder: Path, listener: Listener | N
     cell = SimulatedCell(labels, config, seed=seed)
     perception = Perception(config.layout, prepared.database)
     write_true_classes(folder, 0, labels)
-    report = sort_into(folder, cell, perception, planner, model, objects=OBJECTS, listener=listener)
+    recorder = None if rrd is None else Recorder(rrd, cell, model, say, cell.true_class)
+    with recorder or nullcontext():
+        report = sort_into(
+            folder,
+            cell,
+            perception,
+            planner,
+            model,
+            objects=OBJECTS,
+            listener=recorded(recorder, listener),
+            scan_listener=None if recorder is None else recorder.scanned,
+        )
     sorted_at = perf_counter()
     true = [config.classes[label] for label in labels]
     draw_belief(read_journal(folder / JOURNAL), folder / "belief.png", true)

@@ -31,6 +31,17 @@ ScanListener = Callable[[Entry, Scan, Sequence[PerceivedPosition]], None]
 """Called with the entry of a scan, the scan, and what was perceived in it, after the entry was written."""
 
 
+def all_of(*listeners: ScanListener | None) -> ScanListener:
+    """Return a listener that calls others in order; None is left out."""
+
+    def listen(entry: Entry, scan: Scan, perceived: Sequence[PerceivedPosition]) -> None:
+        for listener in listeners:
+            if listener is not None:
+                listener(entry, scan, perceived)
+
+    return listen
+
+
 @runtime_checkable
 class TellsCandidate(Protocol):
     """A perceived position that tells which points are its object's."""

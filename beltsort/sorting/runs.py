@@ -14,7 +14,7 @@ from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
 from beltsort.sorting.journal import Journal, Listener
-from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper
+from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper, ScanListener, all_of
 from beltsort.sorting.loop import Check, nothing, sort_objects
 from beltsort.sorting.perceived import Perceive
 from beltsort.sorting.report import Decision, SortingReport
@@ -64,6 +64,7 @@ def sort_into(
     listener: Listener | None = None,
     check: Check = nothing,
     requests: Path | None = None,
+    scan_listener: ScanListener | None = None,
 ) -> SortingReport:
     """Sort the next objects of the belt; model, journal and last scan are kept in an existing folder.
 
@@ -82,7 +83,7 @@ def sort_into(
             drift=drift,
             check=check,
             requests=requests,
-            scan_listener=ScanKeeper(folder / LAST_SCAN, cell),
+            scan_listener=all_of(ScanKeeper(folder / LAST_SCAN, cell), scan_listener),
         )
 
 
