@@ -14,7 +14,8 @@ Logged = tuple[str, list[Any]]
 """Path of an entity, and its archetypes."""
 
 GREY, DARK = "#999999", "#555555"
-MOST_POINTS = 20_000  # of the cloud of a scan
+MOST_POINTS = 20_000  # of the pixels of a scan
+PIXELS = 8  # from each pixel to the next of those that tell the field of view
 ELEVATIONS = (0.0, 30.0, 60.0)  # degrees; circles of the half-sphere
 FRUSTUM = 0.08  # metres; length of the camera's symbol
 LINE = 0.001  # metres; radius of a line
@@ -77,16 +78,19 @@ def camera(rerun: ModuleType, scan: Scan) -> Iterator[Logged]:
     frame = rerun.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3])
     yield "world/camera", [frame, rerun.TransformAxes3D(FRUSTUM), *_field_of_view(rerun, scan.points)]
     points = scan.points.reshape(-1, 3)
-    points = points[np.isfinite(points).all(axis=1)]
-    shown = transform(pose, points[:: len(points) // MOST_POINTS + 1])
+    points = points[:: len(points) // MOST_POINTS + 1]
+    shown = transform(pose, points[np.isfinite(points).all(axis=1)])
     yield "world/scan", [rerun.Points3D(shown, radii=0.5 * POINT, colors=rgb(GREY))]
 
 
 def _field_of_view(rerun: ModuleType, points: Points) -> list[Any]:
     """Return the camera's pinhole if the scan is a depth image with returns, else nothing."""
-    if points.ndim != 3 or not np.isfinite(points).any():
+    if points.ndim != 3:
         return []
     height, width, _ = points.shape
+    points = points[::PIXELS, ::PIXELS]
+    if not np.isfinite(points).any():
+        return []
     with np.errstate(invalid="ignore", divide="ignore"):
         across, down = (np.nanmax(np.abs(points[..., i] / points[..., 2])) for i in (0, 1))
     focal = (0.5 * width / across, 0.5 * height / down)
