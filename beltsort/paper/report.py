@@ -18,13 +18,16 @@ from beltsort.paper.policies import PUBLISHED, RECOMMENDED
 from beltsort.paper.printed import R_MIN, TABLES_PRINTED
 from beltsort.paper.scans import LEVEL as SCANS
 from beltsort.paper.statistics import ClaimResult, Conclusion
+from beltsort.util.extras import extra
+from beltsort.util.figure_style import DPI
 
 STYLE = """
 body { font: 16px/1.5 serif; max-width: 64rem; margin: 2rem auto; padding: 0 1rem; color: black; }
 table { border-collapse: collapse; font: 13px sans-serif; margin: 1rem 0; }
 td, th { border-bottom: 1px solid #bbb; padding: 0.2rem 0.6rem; text-align: right; }
+td { white-space: nowrap; }
 td:first-child, th:first-child { text-align: left; }
-img { width: 100%; max-width: 34rem; } figure { margin: 1.5rem 0; } pre { font-size: 13px; overflow-x: auto; }
+img { max-width: 100%; } figure { margin: 1.5rem 0; } pre { font-size: 13px; overflow-x: auto; }
 .holds { font-weight: bold; } .fails { font-weight: bold; text-decoration: underline; }
 """
 THINNED = (
@@ -69,6 +72,8 @@ CONCLUDED = (
     f"number of claims. {PAPERS_TABLES}"
 )
 SHOWN = ("objects", "positions", "r_min", "policy", "batches")
+SHOWN_DPI = 150
+"""Pixels of the page per inch of a figure."""
 MEANS = ("steps", "positives", "negatives")
 
 
@@ -96,11 +101,12 @@ def write_report(numbers: Numbers, pictures: Sequence[Picture], folder: Path) ->
     about = numbers.circumstances
     discount = about.design.discounts[0]
     made = _table([{"": name, "this run": value} for name, value in about.rows().items()])
-    planners = f"<p>{escape(PLANNERS_SHOWN.format(trials=about.design.trials))}</p>"
+    both = bool(select(numbers.rows, policy=PUBLISHED))
+    planners = [f"<p>{escape(PLANNERS_SHOWN.format(trials=about.design.trials))}</p>"] if both else []
     sections = [
         Section("findings", "Findings", list(main_findings(numbers.findings))),
         Section("tables", "Tables I and II: observation tables", list(observation_tables(numbers.tables))),
-        Section("figures", "Figures", [planners, *(_figure(picture, folder) for picture in pictures)]),
+        Section("figures", "Figures", [*planners, *(_figure(picture, folder) for picture in pictures)]),
         Section("numbers", f"Numbers at r_min = {R_MIN:g}", list(_numbers(numbers, discount))),
         Section("printed", "What the paper prints of its robot", [_table(printed_numbers())]),
         Section("optimum", "Bounds of the optimum, and losses against it", [_table(numbers.optimum)]),
@@ -173,7 +179,8 @@ def _table_rows(entries: Sequence[Row]) -> list[dict[str, str]]:
         row = rows.setdefault(key, {"position": str(position), "true": true, "viewpoint": viewpoint})
         row[entry["observed"]] = f"{entry['probability']:.3f} ± {entry['standard_error']:.3f}"
         row[f"{entry['observed']}, paper"] = _printed(position, true, viewpoint, entry["observed"])
-    return list(rows.values())
+    classes = list(dict.fromkeys(true for _, true, _ in rows))
+    return [rows[key] for key in sorted(rows, key=lambda key: (key[0], classes.index(key[1]), key[2]))]
 
 
 def _printed(position: int, true: str, viewpoint: str, observed: str) -> str:
@@ -191,9 +198,15 @@ def _printed(position: int, true: str, viewpoint: str, observed: str) -> str:
 
 
 def _figure(picture: Picture, folder: Path) -> str:
-    data = b64encode((folder / f"{picture.name}.png").read_bytes()).decode()
+    """Return a figure with its caption; letters are as large in every one, since all have the same scale."""
+    path = folder / f"{picture.name}.png"
+    with extra("plot"):
+        from PIL import Image
+    with Image.open(path) as drawn:
+        width = round(drawn.width * SHOWN_DPI / DPI)
+    data = b64encode(path.read_bytes()).decode()
     caption = escape(f"{picture.caption} {NOTES.get(picture.name, '')}".strip())
-    image = f"<img alt='{caption}' src='data:image/png;base64,{data}'>"
+    image = f"<img alt='{caption}' width='{width}' src='data:image/png;base64,{data}'>"
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
-import beltsort.rrd.recorder
 from beltsort.cli import main
 from beltsort.sorting.entries import Decided, Planned, Scanned
 from beltsort.sorting.journal import read_journal
@@ -100,7 +99,7 @@ def test_a_recorder_that_fails_says_so_once_and_the_run_goes_on(
     def fail(*arguments: object) -> None:
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(beltsort.rrd.recorder.scene, "camera", fail)
+    monkeypatch.setattr("beltsort.rrd.scene.camera", fail)
     spoiled = record(tmp_path)
     assert spoiled.result.report == run.result.report
     (complaint,) = spoiled.complaints
