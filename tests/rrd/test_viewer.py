@@ -4,7 +4,6 @@ import io
 import shutil
 import subprocess
 import sys
-import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,10 +13,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Page, Route, sync_playwright
+from playwright.sync_api import Error, Page, Route, sync_playwright
 
 from beltsort.rrd.scene import class_colour
 from tests.ports import HeldPort
+from tests.waiting import wait_until
 
 from .conftest import RecordedRun
 
@@ -25,7 +25,7 @@ pytestmark = [pytest.mark.process, pytest.mark.slow]
 
 SOFTWARE = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 PATIENCE = 300.0  # seconds; a software renderer on a busy machine
-MARGIN = 12  # of a colour's red, green and blue
+MARGIN = 40  # of a colour's red, green and blue; curves are thin and their edges smoothed
 
 
 @contextmanager
@@ -56,7 +56,7 @@ def only_here(route: Route) -> None:
 
 def seen(page: Page) -> NDArray[np.int64]:
     """Return what the page shows, shape (height, width, 3)."""
-    return np.asarray(Image.open(io.BytesIO(page.screenshot(timeout=60_000))).convert("RGB")).astype(np.int64)
+    return np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(np.int64)
 
 
 def count(pixels: NDArray[np.int64], colour: list[int]) -> int:
@@ -71,20 +71,28 @@ def test_the_viewer_shows_candidates_and_beliefs(run: RecordedRun, home: Mapping
         browser = playwright.chromium.launch(executable_path=chromium, args=list(SOFTWARE))
         page = browser.new_page(viewport={"width": 1200, "height": 800})
         page.route("**/*", only_here)
-        end = time.monotonic() + PATIENCE
-        while True:
-            assert time.monotonic() < end, "nothing is shown"
-            try:
-                if page.url == "about:blank":
-                    page.goto(address, timeout=60_000)
-                pixels = seen(page)
-            except Exception:  # the server is not there yet, or the renderer is busy
-                time.sleep(1.0)
-                continue
-            _, width, _ = pixels.shape
-            curves, cell = pixels[:, width // 2 :], pixels[:, : width // 2]
-            classes = [count(curves, class_colour(i)) for i in (0, 1)]
-            if min(classes) > 200 and len(np.unique(cell.reshape(-1, 3), axis=0)) > 300:
-                break
-            time.sleep(1.0)
+        page.set_default_timeout(60_000)
+        wait_until(lambda: loaded(page, address), "the server", PATIENCE)
+        wait_until(lambda: shown(page), "a recording on the page", PATIENCE)
         browser.close()
+
+
+def loaded(page: Page, address: str) -> bool:
+    """Go to a page; return whether its server was there."""
+    try:
+        page.goto(address)
+    except Error:
+        return False
+    return True
+
+
+def shown(page: Page) -> bool:
+    """Return whether the page shows curves of both classes beside a cell that is more than an empty panel."""
+    try:
+        pixels = seen(page)
+    except Error:  # the renderer is busy
+        return False
+    middle = pixels.shape[1] // 2
+    cell, curves = pixels[:, :middle], pixels[:, middle:]
+    colours = np.unique(cell.reshape(-1, 3), axis=0)
+    return len(colours) > 300 and min(count(curves, class_colour(i)) for i in (0, 1)) > 100
