@@ -4,7 +4,8 @@ from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 
-from beltsort._core import SortingModel
+from beltsort._core import ModelError, SortingModel
+from beltsort.util.naming import nearest_of
 
 
 def paper() -> SortingModel:
@@ -57,12 +58,21 @@ def load(name: str | PathLike[str]) -> SortingModel:
     Raises
     ------
     ModelError
-        As `SortingModel.load`.
+        As `SortingModel.load`. Where there is no such file, and the name is one word, the message lists the
+        packaged models.
 
     Examples
     --------
     >>> load("paper") == paper()
     True
     """
-    packaged = PACKAGED.get(str(name))
-    return SortingModel.load(name) if packaged is None or Path(name).exists() else packaged()
+    path = Path(name)
+    if path.exists():
+        return SortingModel.load(path)
+    if str(name) in PACKAGED:
+        return PACKAGED[str(name)]()
+    if path.parent == Path() and not path.suffix:
+        raise ModelError(
+            f"{name!s}: neither a file nor a packaged model; {nearest_of(str(name), list(PACKAGED))}"
+        )
+    return SortingModel.load(path)
