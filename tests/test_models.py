@@ -26,5 +26,7 @@ def test_a_file_of_that_name_comes_first(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir(tmp_path)
     models.paper().replace(r_min=7).save("paper")
     assert models.load("paper").r_min == 7.0
-    with pytest.raises(ModelError, match="papr: neither a file nor a packaged model; did you mean .paper."):
+    with pytest.raises(
+        ModelError, match=r"papr: neither a file nor a packaged model; did you mean .paper.\?"
+    ):
         models.load("papr")

@@ -3,7 +3,6 @@
 import io
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +10,7 @@ from urllib.parse import quote, urlsplit
 
 import numpy as np
 import pytest
+import rerun_cli
 from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Error, Page, Route, sync_playwright
@@ -31,8 +31,8 @@ MARGIN = 40  # of a colour's red, green and blue; curves are thin and their edge
 @contextmanager
 def served(rrd: Path, home: Mapping[str, str]) -> Iterator[str]:
     """Serve a recording and rerun's web viewer; yield the page's address."""
-    program = shutil.which("rerun", path=str(Path(sys.executable).parent))
-    assert program is not None
+    # The program itself: the script of that name starts it in a process of its own, which would stay.
+    program = str(Path(rerun_cli.__file__).with_name("rerun"))
     with HeldPort() as page, HeldPort() as data:
         ports = ["--port", str(data.number), "--web-viewer-port", str(page.number)]
         command = [program, str(rrd), "--serve-web", "--bind", "127.0.0.1", *ports]
