@@ -8,6 +8,8 @@ from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from beltsort.cli import main
 
 PAPER = str(Path(__file__).parent.parent / "fixtures" / "paper.json")
@@ -36,5 +38,11 @@ def output(*arguments: str) -> str:
 
 def json_of(*arguments: str) -> dict[str, Any]:
     result = json.loads(output(*arguments, "--json"))
+    assert isinstance(result, dict)
+    return result
+
+
+def result_of(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    result = json.loads(capsys.readouterr().out)
     assert isinstance(result, dict)
     return result

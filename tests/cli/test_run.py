@@ -1,4 +1,4 @@
-"""`beltsort run` and `beltsort check`, with a classifier of a few objects and a model made up for it."""
+"""`beltsort run`, with a classifier of a few objects and a model made up for it."""
 
 import dataclasses
 import json
@@ -27,7 +27,7 @@ from beltsort.sorting.runs import read_true_classes
 from beltsort.tables.counts import Look, count
 from tests.cellfile.cell_files import changed
 from tests.cli.cells import PREPARE, cell_file
-from tests.cli.running import process
+from tests.cli.running import process, result_of
 from tests.contract.peers import OpcuaPeer
 
 pytestmark = pytest.mark.process
@@ -42,12 +42,6 @@ FULL_BIN = (
     + "]\n[planner]",
 )
 """A change of the cell file: the sorter's bin is full as often as the first sort is tried."""
-
-
-def result_of(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
-    result = json.loads(capsys.readouterr().out)
-    assert isinstance(result, dict)
-    return result
 
 
 def test_a_run_sorts_every_object_and_keeps_its_record(
@@ -255,41 +249,6 @@ def test_only_a_simulated_cell_prepares_itself(folder: Path, capsys: pytest.Capt
     path = str(changed(folder, ('[sorter]\nbackend = "simulated"', '[sorter]\nbackend = "dry-run"')))
     assert main(["run", path]) == 2
     assert re.search(r"\bprepare: .*\bsorter\b.*\bsimulated\b", capsys.readouterr().err)
-
-
-def test_check_tells_in_words_and_exits_with_1_beyond_a_limit(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["check", cell_file(folder)]) == 0
-    said = capsys.readouterr().out
-    assert "everything is within the limits" in said
-    assert "limits (the file's [check]): belt_angle 2, belt_height 25" in said
-    assert re.search(r"model model\.json:\nExpected, per object\b.*\bright\b", said)
-    strict = cell_file(folder, ("belt_angle = 2.0", "belt_angle = 0.01"))
-    assert main(["check", strict]) == 1
-    assert "0.01 (check.belt_angle)" in capsys.readouterr().out
-    assert main(["check", strict, "--json"]) == 1
-    result = result_of(capsys)
-    assert result["exceeded"]
-    assert result["expected"]["max_looks"] == 60
-    assert result["limits"]["belt_angle"] == 0.01
-    assert [view["viewpoint"] for view in result["viewpoints"]] == ["p1", "p2", "p3"]
-    assert {row["act"] for row in result["seconds"]} == {"health", "move_to", "scan"}
-
-
-def test_check_warns_of_a_belt_that_cannot_be_sorted_and_exits_with_0(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    model = folder / "cell" / "model.json"
-    chance = beltsort.SortingModel.load(model)
-    chance.replace(p_obs=np.full(chance.p_obs.shape, 0.25)).save(model)
-    assert main(["check", cell_file(folder), "--json"]) == 0
-    expected = result_of(capsys)["expected"]
-    assert any("cannot be told apart" in warning for warning in expected["warnings"])
-    assert "manual bin" in expected["remedies"][0]["change"]
-    model.unlink()
-    assert main(["check", cell_file(folder), "--json"]) == 0
-    assert result_of(capsys)["expected"] is None
 
 
 def test_help_of_the_real_command() -> None:

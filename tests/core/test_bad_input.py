@@ -9,7 +9,6 @@ import pytest
 from beltsort import (
     ArgumentError,
     Belief,
-    BeltsortError,
     Decide,
     Despot,
     ImpossibleObservationError,
@@ -347,9 +346,3 @@ def test_a_policy_that_names_no_action() -> None:
 
     with pytest.raises(PolicyError, match=r"None.*beltsort\.Move"):
         evaluate(MODEL, Silent(), batches=1)  # type: ignore[arg-type] # the mistake under test
-
-
-@pytest.mark.parametrize("kind", [ArgumentError, ModelError])
-def test_wrong_values_are_value_errors(kind: type[Exception]) -> None:
-    assert issubclass(kind, ValueError)
-    assert issubclass(kind, BeltsortError)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from beltsort import ModelError
+from beltsort import ArgumentError, BeltsortError, ModelError
 
 from .bad_input import TABLES, Case, check_refused, file, model
 
@@ -89,3 +89,9 @@ CASES: dict[str, Case] = {
 @pytest.mark.parametrize("case", CASES)
 def test_bad_keys(case: str) -> None:
     check_refused(CASES[case])
+
+
+@pytest.mark.parametrize("kind", [ArgumentError, ModelError])
+def test_wrong_values_are_value_errors(kind: type[Exception]) -> None:
+    assert issubclass(kind, ValueError)
+    assert issubclass(kind, BeltsortError)
