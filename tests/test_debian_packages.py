@@ -127,7 +127,7 @@ def test_every_header_that_the_tests_compile_is_in_the_list() -> None:
 
 
 def test_every_program_that_the_tests_look_for_is_in_the_list() -> None:
-    sources = "".join(file.read_text("utf-8") for file in sorted((ROOT / "tests" / "watch").glob("*.py")))
+    sources = "".join(file.read_text("utf-8") for file in sorted((ROOT / "tests").rglob("*.py")))
     assert set(re.findall(r'shutil\.which\("(\w+)"\)', sources)) == listed("program").keys()
 
 

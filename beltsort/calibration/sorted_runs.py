@@ -17,6 +17,7 @@ import numpy as np
 from beltsort import ArgumentError, Despot, SortingModel
 from beltsort.calibration.reliability import Pairs
 from beltsort.perception import Classifier, perception_for
+from beltsort.perception.classifier import check_classes
 from beltsort.planning.decisions import right_bins
 from beltsort.planning.named_policy import DEFAULT_TRIALS
 from beltsort.sim import CellConfig
@@ -153,9 +154,11 @@ def sort_many(
         Whatever the loop raises.
     """
     _check_arms(models)
+    config = config or CellConfig()
+    check_classes(database, config.classes, "the cell's")
     texts = [model.to_json() for model in models]
     work = [(text, number) for number in runs_of(objects) for text in texts]
-    task = partial(_sorted, config or CellConfig(), database, checked_seed(seed))
+    task = partial(_sorted, config, database, checked_seed(seed))
     runs = list(in_processes(task, work, workers, progress))
     return [runs[arm :: len(texts)] for arm in range(len(texts))]
 

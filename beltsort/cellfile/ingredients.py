@@ -7,7 +7,9 @@ from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.sections import Planner
 from beltsort.cellfile.simulated import trainable_config
+from beltsort.errors import DatabaseError
 from beltsort.perception import Classifier, PerceptionConfig, load_classifier
+from beltsort.perception.classifier import check_classes
 from beltsort.planning.named_policy import located_policy
 from beltsort.planning.policy import Policy
 from beltsort.sim.prepare import Recipe, StageProgress, prepare
@@ -48,11 +50,23 @@ def model_and_classifier(
         prepared = prepare(Recipe(trainable_config(description), perception, **amounts), progress=progress)
         own = prepared.counts.model(description.classes, description.viewpoint_names)
         return model or own, prepared.database
-    classifier = load_classifier(description.classifier or "", description.path(""))
-    if tuple(classifier.classes) != description.classes:
-        raise CellFileError.of(
-            "classifier",
-            f"knows the classes {list(classifier.classes)}, expected {list(description.classes)}, in this "
-            "order: train it on these",
-        )
+    classifier = classifier_of(description)
     return model or model_file(description), classifier
+
+
+def classifier_of(description: CellDescription) -> Classifier:
+    """Load the classifier that a cell file names.
+
+    Raises
+    ------
+    CellFileError
+        If it has other classes than the file, or in another order.
+    BeltsortError
+        If it cannot be loaded.
+    """
+    classifier = load_classifier(description.classifier or "", description.path(""))
+    try:
+        check_classes(classifier, description.classes, "the cell file's")
+    except DatabaseError as reason:
+        raise CellFileError.of("classifier", str(reason)) from reason
+    return classifier

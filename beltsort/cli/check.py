@@ -25,7 +25,7 @@ def add_parser(subparsers: Subparsers) -> None:
         description="Query the health of every device, visit every viewpoint, take a scan at each, and print "
         "where the belt is, how much of every position is seen and what is found there, the duration of "
         "each call, and what the model promises. The exit code is 1 if a limit of the file's table [check] "
-        "is exceeded, or the belt is not where a camera's pose says.",
+        "is exceeded, the belt is not where a camera's pose says, or the classifier does not fit the file.",
     )
     add_cell(parser)
     add_json(parser)
@@ -60,6 +60,7 @@ def run(arguments: Namespace) -> int:
     print_cell_mode(console, description, cell)
     with devices_locked(devices):
         found = check_cell(cell, description.check)
+    found.exceeded += classifier_problems(description)
     expected = None if model is None else expectation(model, max_looks=description.rules.max_looks)
     if arguments.json:
         promised = None if expected is None else expected.to_dict()
@@ -72,6 +73,19 @@ def run(arguments: Namespace) -> int:
         if expected is not None:
             print(f"\nmodel {description.model}:\n{expected}")
     return EXCEEDED if found.exceeded else 0
+
+
+def classifier_problems(description: "CellDescription") -> list[str]:
+    """Return why a run could not use the cell file's classifier; nothing if it could, or prepares its own."""
+    from beltsort.cellfile.ingredients import classifier_of
+
+    if description.classifier is None:
+        return []
+    try:
+        classifier_of(description)
+    except BeltsortError as reason:
+        return [str(reason)]
+    return []
 
 
 def model_of(description: "CellDescription") -> SortingModel | None:

@@ -82,5 +82,5 @@ def _print_tables(console: "Console", prepared: "Prepared") -> None:
     per_row = f"{scans.min()}" if scans.min() == scans.max() else f"{scans.min()} to {scans.max()}"
     console.print(f"observation tables {where}: {per_row} scans per row, each of another object")
     console.print(table_one(tables, config.classes, names, true=0))
-    console.print(table_two(tables, config.classes, names, trues=(0, 1)))
+    console.print(table_two(tables, config.classes, names))
     console.print(agreement_text(prepared.counts, names))

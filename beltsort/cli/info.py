@@ -11,7 +11,15 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table
 from beltsort.util.machine import processors
 
-PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "pydantic", "rich")
+PACKAGES = {
+    "numpy": ["numpy"],
+    "open3d": ["open3d-cpu", "open3d"],
+    "matplotlib": ["matplotlib"],
+    "platformdirs": ["platformdirs"],
+    "pydantic": ["pydantic"],
+    "rich": ["rich"],
+}
+"""Names under which each is installed."""
 
 EXAMPLE = "beltsort info"
 
@@ -45,13 +53,15 @@ def gather() -> dict[str, Any]:
         "python": platform.python_version(),
         "platform": platform.platform(),
         "threads": processors(),
-        "packages": {name: installed_version(name) for name in PACKAGES},
+        "packages": {name: installed_version(*builds) for name, builds in PACKAGES.items()},
     }
 
 
-def installed_version(package: str) -> str | None:
-    """Return the version of a package, or None if it is not installed."""
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
+def installed_version(*builds: str) -> str | None:
+    """Return the version of a package under one of its names, or None if it is not installed."""
+    for build in builds:
+        try:
+            return version(build)
+        except PackageNotFoundError:
+            continue
+    return None

@@ -150,7 +150,10 @@ def show(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> Non
             for action, value in best_first
         ]
     )
-    print(f"\nBounds of the sampled problem's value: {plan.lower:.3f} to {plan.upper:.3f}.")
+    print(
+        f"\nThe values are estimates. Bounds of the search's own problem, planned for sampled labels only: "
+        f"{plan.lower:.3f} to {plan.upper:.3f}."
+    )
     certified = f"at most {plan.certified_upper:.3f}"
     if plan.certified_lower is not None:
         certified = f"{plan.certified_lower:.3f} to {plan.certified_upper:.3f}"

@@ -31,7 +31,8 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def add_run(parser: ArgumentParser) -> None:
     """Add the run's folder."""
-    parser.add_argument("folder", metavar="RUN", type=Path, help="a run's folder, or its journal.sqlite")
+    help = "a run's folder, its journal.sqlite, or a folder of runs for the newest"
+    parser.add_argument("folder", metavar="RUN", type=Path, help=help)
 
 
 def run(arguments: Namespace) -> int:

@@ -1,5 +1,6 @@
 """The protocol of classifiers: from a candidate to a label and scores."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -7,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import beltsort
+from beltsort.errors import DatabaseError
 from beltsort.geometry import Points
 
 Scores = NDArray[np.float64]
@@ -167,3 +169,33 @@ class Classifier(Protocol):
         camera
             The camera's position in the same frame, shape (3,).
         """
+
+
+def check_classes(classifier: Classifier, classes: Sequence[str], whose: str) -> None:
+    """Refuse a classifier whose class indices mean other classes: its labels would be counted as those.
+
+    Parameters
+    ----------
+    classifier
+        The classifier.
+    classes
+        The classes expected, in order.
+    whose
+        What they belong to, such as "the cell's", for the message.
+
+    Raises
+    ------
+    DatabaseError
+        If the classifier has other classes, or the same in another order.
+    """
+    known, expected = list(classifier.classes), list(classes)
+    if known == expected:
+        return
+    remedy = (
+        "list them in the classifier's order"
+        if sorted(known) == sorted(expected)
+        else "train a classifier for these classes, or name the ones that it knows"
+    )
+    raise DatabaseError(
+        f"the classifier knows the classes {known}, expected {whose} {expected}, in this order: {remedy}"
+    )

@@ -13,6 +13,7 @@ from beltsort.perception import (
     describe,
     segment,
 )
+from beltsort.perception.classifier import check_classes
 from beltsort.perception.vfh import Histogram
 from beltsort.sim import CellConfig
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
@@ -115,6 +116,8 @@ def collect_counts(
 
     Raises
     ------
+    DatabaseError
+        If the classifier has other classes than the cell, or in another order.
     ArgumentError
         If `objects` or `workers` is below 1.
     BeltsortError
@@ -170,10 +173,11 @@ def collect_scans(
     ------
     RecordingError
         If the log cannot be written.
-    ArgumentError, BeltsortError
+    DatabaseError, ArgumentError, BeltsortError
         As `collect_counts`.
     """
     config = config or CellConfig()
+    check_classes(database, config.classes, "the cell's")
     scenes = table_scenes(config, objects=objects, seed=seed, passages=passages)
     log = log or LabelLog()
     _perceive(partial(_labelled, config, database), config, scenes, log, workers, progress)
@@ -205,6 +209,7 @@ def collect_matches(
     Parameters and raises as `collect_scans`.
     """
     config = config or CellConfig()
+    check_classes(database, config.classes, "the cell's")
     scenes = table_scenes(config, objects=objects, seed=seed, passages=passages)
     log = log or MatchLog()
     _perceive(partial(_matched, config, database), config, scenes, log, workers, progress)

@@ -95,20 +95,28 @@ class Step:
         return Despot(self.model, **settings).plan(self.belief, self.viewpoint)
 
 
+def journal_of(run: Path) -> Path:
+    """Return the journal of a run: of its folder, of the newest in a folder of runs, or the file itself."""
+    if not run.is_dir() or (run / JOURNAL).exists():
+        return run / JOURNAL if run.is_dir() else run
+    journals = sorted(run.glob(f"*/{JOURNAL}"))  # folders are named by the time of their start
+    return journals[-1] if journals else run / JOURNAL
+
+
 def entries_of(run: Path) -> list[Entry]:
     """Return the entries of a run.
 
     Parameters
     ----------
     run
-        The folder of the run, or its journal.
+        As in `journal_of`.
 
     Raises
     ------
     JournalError
         If there is no journal, or it is damaged.
     """
-    return read_journal(run / JOURNAL if run.is_dir() else run)
+    return read_journal(journal_of(run))
 
 
 def steps_of(entries: Sequence[Entry]) -> Iterator[Step]:

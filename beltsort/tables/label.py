@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from beltsort.cell.protocols import Scan
-from beltsort.errors import CloudError, DatabaseError, RecordingError
+from beltsort.errors import CloudError, RecordingError
 from beltsort.perception import (
     Classifier,
     FileWarning,
@@ -20,6 +20,7 @@ from beltsort.perception import (
     read_cloud,
 )
 from beltsort.perception.checks import counted_warnings
+from beltsort.perception.classifier import check_classes
 from beltsort.perception.clouds import files_of, has_viewpoint
 from beltsort.tables.findings import fault_texts, faults_of
 from beltsort.tables.log import LabelLog, PositionLabel, PositionLabels, label_missing
@@ -128,12 +129,7 @@ def _perceive(
     progress: Progress | None,
 ) -> list[str]:
     """Write what `task` returns of every scan to the log; return the scans' keys."""
-    classes = tuple(perception.classifier.classes)
-    if classes != recording.header.classes:
-        raise DatabaseError(
-            f"the classifier's classes are {list(classes)}, expected the recording's "
-            f"{list(recording.header.classes)}, in order: train one for these classes"
-        )
+    check_classes(perception.classifier, recording.header.classes, "the recording's")
     keys = [_key(recording.folder, scan) for scan in recording.scans]
     files: dict[str, str] = {}
     for key, scan in zip(keys, recording.scans, strict=True):

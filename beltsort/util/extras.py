@@ -69,4 +69,7 @@ def _message(name: str, reason: ImportError) -> str:
     if isinstance(cause, ModuleNotFoundError):
         return f"{package} is not installed; pip install 'beltsort[{name}]'"
     # A shared library of the system, for example, which pip does not install.
-    return f"{package} cannot be loaded ({cause}), expected the libraries that it needs; see README, Install"
+    return (
+        f"{cause}: a package of the extra {name!r} needs a library of the system, which pip does not "
+        "install; the section 'Install what you need' of README lists Open3D's for Debian"
+    )

@@ -9,10 +9,11 @@ import numpy as np
 
 from beltsort.errors import JournalError
 from beltsort.planning.explanation import explain
+from beltsort.sorting.audit import journal_of
 from beltsort.sorting.journal import entries_after, read_journal
 from beltsort.sorting.last_scan import LAST_SCAN, KeptScan
 from beltsort.sorting.requests import Action, Request, is_token, read_request, takes_requests, write_request
-from beltsort.sorting.runs import JOURNAL, read_true_classes
+from beltsort.sorting.runs import read_true_classes
 from beltsort.watch.history import RunHistory
 from beltsort.watch.state import RunView, state_of
 
@@ -73,7 +74,7 @@ class Watcher:
     Parameters
     ----------
     run
-        The folder of the run, or its journal.
+        As in `beltsort.sorting.audit.journal_of`.
 
     Raises
     ------
@@ -82,7 +83,7 @@ class Watcher:
     """
 
     def __init__(self, run: Path) -> None:
-        self.journal = run / JOURNAL if run.is_dir() else run
+        self.journal = journal_of(run)
         self.folder = self.journal.parent
         self._lock = threading.Lock()
         entries = read_journal(self.journal)

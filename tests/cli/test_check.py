@@ -34,6 +34,15 @@ def test_check_tells_in_words_and_exits_with_1_beyond_a_limit(
     assert {row["act"] for row in result["seconds"]} == {"health", "move_to", "scan"}
 
 
+def test_check_finds_what_a_run_would_refuse(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    order = ('"mushroom", "standard"', '"standard", "mushroom"')
+    assert main(["check", cell_file(folder, order)]) == 1
+    assert re.search(r"classifier: .*list them in the classifier's order", capsys.readouterr().out)
+    (folder / "cell" / "classifier.npz").unlink()
+    assert main(["check", cell_file(folder)]) == 1
+    assert "cell/classifier.npz" in capsys.readouterr().out
+
+
 def test_check_warns_of_a_belt_that_cannot_be_sorted_and_exits_with_0(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

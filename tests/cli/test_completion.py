@@ -52,8 +52,8 @@ def test_bash(shell: dict[str, str], tmp_path: Path, line: str, expected: list[s
     assert sorted(done.stdout.split()) == expected
 
 
-@pytest.mark.skipif(shutil.which("fish") is None, reason="fish is not installed")
 def test_fish(shell: dict[str, str], tmp_path: Path) -> None:
+    assert shutil.which("fish") is not None, "fish is not installed: `apt-get install fish`"
     script = "beltsort completion fish | source; complete -C 'beltsort ev'"
     done = subprocess.run(["fish", "-c", script], env=shell, cwd=tmp_path, capture_output=True, text=True)
     assert done.stdout.split()[:1] == ["evaluate"], done.stderr

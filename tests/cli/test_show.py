@@ -33,6 +33,19 @@ def test_show_tells_what_was_decided(sorted_run: tuple[Path, SortingReport]) -> 
     assert [entry["number"] for entry in told["entries"]] == list(range(1, len(told["entries"]) + 1))
 
 
+def test_a_folder_of_runs_stands_for_the_newest(
+    tmp_path: Path, sorted_run: tuple[Path, SortingReport]
+) -> None:
+    folder, _ = sorted_run
+    for name in ("2026-01-02T00-00-00Z", "2026-01-10T00-00-00Z"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "2026-01-02T00-00-00Z" / "journal.sqlite").write_bytes(b"another")
+    (tmp_path / "2026-01-10T00-00-00Z" / "journal.sqlite").write_bytes(
+        (folder / "journal.sqlite").read_bytes()
+    )
+    assert output("show", str(tmp_path)) == output("show", str(folder))
+
+
 def test_show_writes_every_entry_as_csv(tmp_path: Path, sorted_run: tuple[Path, SortingReport]) -> None:
     folder, _ = sorted_run
     done = command("show", str(folder), "--csv", str(tmp_path / "run.csv"))
