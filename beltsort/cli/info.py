@@ -2,24 +2,15 @@
 
 import platform
 from argparse import Namespace
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from beltsort import __version__
 from beltsort._core import BUILD_PROFILE
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_table
-from beltsort.util.machine import processors
+from beltsort.util.machine import installed_version, processors
 
-PACKAGES = {
-    "numpy": ["numpy"],
-    "open3d": ["open3d-cpu", "open3d"],
-    "matplotlib": ["matplotlib"],
-    "platformdirs": ["platformdirs"],
-    "pydantic": ["pydantic"],
-    "rich": ["rich"],
-}
-"""Names under which each is installed."""
+PACKAGES = ("numpy", "open3d", "matplotlib", "platformdirs", "pydantic", "rich")
 
 EXAMPLE = "beltsort info"
 
@@ -53,15 +44,5 @@ def gather() -> dict[str, Any]:
         "python": platform.python_version(),
         "platform": platform.platform(),
         "threads": processors(),
-        "packages": {name: installed_version(*builds) for name, builds in PACKAGES.items()},
+        "packages": {name: installed_version(name) for name in PACKAGES},
     }
-
-
-def installed_version(*builds: str) -> str | None:
-    """Return the version of a package under one of its names, or None if it is not installed."""
-    for build in builds:
-        try:
-            return version(build)
-        except PackageNotFoundError:
-            continue
-    return None

@@ -4,12 +4,11 @@ import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from importlib.metadata import version
 from typing import Any
 
 import beltsort
 from beltsort.paper.design import QUICK, Design
-from beltsort.util.machine import processor_name, processors
+from beltsort.util.machine import installed_version, processor_name, processors
 
 LIBRARIES = ("numpy", "scipy", "matplotlib", "open3d")
 
@@ -41,7 +40,7 @@ class Circumstances:
         facts = {
             "versions": ", ".join(
                 [f"beltsort {beltsort.__version__}", f"Python {platform.python_version()}"]
-                + [f"{name} {version(name)}" for name in LIBRARIES]
+                + [f"{name} {installed_version(name)}" for name in LIBRARIES]
             ),
             "machine": f"{processor_name()}, {processors()} processors, {platform.platform()}",
             "finished": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),

@@ -7,7 +7,6 @@ import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
-from importlib.metadata import version
 from importlib.resources import as_file, files
 from pathlib import Path
 from time import perf_counter
@@ -24,6 +23,7 @@ from beltsort.sim.collect import collect_scans, collect_training
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
 from beltsort.tables.counts import Counts, count
 from beltsort.tables.scans import LabelledScan, looks
+from beltsort.util.machine import installed_version
 from beltsort.util.processes import Progress, at_least_one
 
 PIPELINE = 1
@@ -268,7 +268,10 @@ def _about(recipe: Recipe) -> dict[str, object]:
         "seed": SEED,
         "training_objects": recipe.training_objects,
         "table_objects": recipe.table_objects,
-        "versions": {"python": platform.python_version(), **{name: version(name) for name in packages}},
+        "versions": {
+            "python": platform.python_version(),
+            **{name: installed_version(name) for name in packages},
+        },
         "machine": platform.machine(),
     }
 

@@ -1,9 +1,12 @@
-"""Properties of the machine."""
+"""Properties of the machine and of what is installed on it."""
 
 import os
 import platform
 import sys
 from pathlib import Path
+
+OTHER_NAMES = {"open3d": ("open3d-cpu", "open3d")}
+"""Packages of which several builds exist, each under a name of its own."""
 
 
 def processors() -> int:
@@ -21,6 +24,18 @@ def processor_name(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
         lines = []
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(names, platform.processor() or platform.machine())
+
+
+def installed_version(package: str) -> str | None:
+    """Return the version of a package, under any of its names, or None if it is not installed."""
+    from importlib.metadata import PackageNotFoundError, version  # takes a while
+
+    for name in OTHER_NAMES.get(package, (package,)):
+        try:
+            return version(name)
+        except PackageNotFoundError:
+            continue
+    return None
 
 
 def peak_memory() -> int:
