@@ -73,6 +73,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     commands = parser()
     if completion.wanted():
         completion.complete(commands)
+    if not given:
+        commands.print_help(sys.stderr)
+        return exit_codes.WRONG
     try:
         arguments = commands.parse_args(given)
         arguments.command_line = shlex.join(["beltsort", *given])

@@ -30,6 +30,12 @@ def test_commands_are_listed_in_groups() -> None:
     assert all(f"  {name} " in sorting for name in ("demo", "run", "check", "home", "show", "explain"))
 
 
+def test_without_a_command_the_help_is_shown() -> None:
+    done = command()
+    assert done.returncode == 2
+    assert done.stderr == output("--help")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_help_ends_with_an_example_that_parses(name: str) -> None:
     text = output(name, "--help")
