@@ -17,6 +17,7 @@ from beltsort.sorting.audit import (
 )
 from beltsort.sorting.entries import Decided, Skipped
 from beltsort.sorting.entry_text import EntryFormatter
+from beltsort.util.text import counted
 
 EXAMPLE = "beltsort explain runs/2026-01-31T12-00-00.000000Z --object 3"
 
@@ -153,7 +154,7 @@ def object_as_json(history: ObjectHistory, depth: int) -> dict[str, object]:
 def show_object(history: ObjectHistory, number: int, depth: int) -> None:
     """Print the looks at an object, and why it was decided as it was."""
     model = history.model
-    print(f"Object {number}, {_looks(len(history.looks))}. Belief after each:")
+    print(f"Object {number}, {counted(len(history.looks), 'look')}. Belief after each:")
     rows = [
         [
             str(look.step),
@@ -169,7 +170,8 @@ def show_object(history: ObjectHistory, number: int, depth: int) -> None:
     match history.outcome:
         case Decided() as made:
             into = "the reject bin" if made.label is None else model.bins[made.label]
-            print(f"\nDecided after {_looks(made.looks)}: {into}, right with {100 * made.belief:.1f} %.")
+            looks = counted(made.looks, "look")
+            print(f"\nDecided after {looks}: {into}, right with {100 * made.belief:.1f} %.")
         case Skipped():
             print("\nIts cup was skipped as empty.")
         case None:
@@ -177,7 +179,3 @@ def show_object(history: ObjectHistory, number: int, depth: int) -> None:
     if history.step is not None:
         print(f"Step {history.step.number}: ", end="")
         show_reason(history.step, depth)
-
-
-def _looks(count: int) -> str:
-    return "1 look" if count == 1 else f"{count} looks"

@@ -26,6 +26,7 @@ from beltsort.sorting.entries import (
     StateChanged,
 )
 from beltsort.sorting.journal import Entry
+from beltsort.util.text import counted
 
 EXCEPTION = re.compile(r"""\w+\((['"].*['"])\)""", re.DOTALL)
 """`repr` of an exception with a message."""
@@ -175,7 +176,7 @@ class EntryFormatter:
         what = "reject" if decided.label is None else f"decide {self.bins[decided.label]}"
         forced = f", forced by {decided.forced}" if decided.forced else ""
         self._shift()
-        return f"{what}  (belief {decided.belief:.3f}, {decided.looks} looks{forced})"
+        return f"{what}  (belief {decided.belief:.3f}, {counted(decided.looks, 'look')}{forced})"
 
     def _skip(self) -> str:
         self._shift()

@@ -22,3 +22,14 @@ def number_or_none(value: float) -> float | None:
 def numbers_or_none(numbers: Mapping[str, float]) -> dict[str, float | None]:
     """Apply `number_or_none` to the values of a mapping."""
     return {name: number_or_none(value) for name, value in numbers.items()}
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun.
+
+    Examples
+    --------
+    >>> counted(1, "look"), counted(2, "look")
+    ('1 look', '2 looks')
+    """
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
