@@ -53,7 +53,7 @@ def complete(parser: ArgumentParser) -> None:
             names = list(KINDS)
         else:
             continue
-        action.completer = _with_files(names, files)  # type: ignore[attr-defined]  # argcomplete's own
+        vars(action)["completer"] = _with_files(names, files)  # where argcomplete looks for it
     argcomplete.autocomplete(parser, default_completer=files)
 
 

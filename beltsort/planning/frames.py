@@ -52,4 +52,5 @@ def comparison_frame(found: PairedStatistics) -> "pd.DataFrame":
 def _pandas() -> ModuleType:
     with extra("pandas"):
         import pandas
-    return pandas  # type: ignore[no-any-return] # has no annotations
+    module: ModuleType = pandas
+    return module

@@ -35,7 +35,9 @@ def test_solve_keeps_what_it_has(tmp_path: Path, number: signal.Signals) -> None
     assert f"saved as {file}\n" in errors
     model = beltsort.SortingModel.load(PAPER)
     solution = beltsort.Solution.load(file, model)
-    lower, upper = map(float, re.fullmatch(r"(\S+) <= V\* <= (\S+) .*\n", told).groups())  # type: ignore[union-attr]  # it matched
+    bounds = re.fullmatch(r"(\S+) <= V\* <= (\S+) .*\n", told)
+    assert bounds is not None
+    lower, upper = map(float, bounds.groups())
     assert lower < upper
     assert (solution.lower, solution.upper) == pytest.approx((lower, upper), abs=1e-4)
     value = beltsort.evaluate(model, solution, batches=2).steps

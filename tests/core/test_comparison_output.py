@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.container import ErrorbarContainer
 
 from beltsort import (
     ArgumentError,
@@ -52,9 +53,10 @@ def test_plots_show_paired_differences_with_intervals(compared: Comparison) -> N
     assert axes.get_title() == "Steps"
     assert "minus base_line, per batch of 10" in axes.get_xlabel()
     for row, (container, name) in enumerate(zip(axes.containers, ("hasty", "twin & co"), strict=True)):
-        point, _, (bar,) = container.lines  # type: ignore[attr-defined] # an ErrorbarContainer
+        assert isinstance(container, ErrorbarContainer)
+        point, _, (bar,) = container.lines
         difference = compared.difference(name, "steps")
-        assert (point.get_xdata()[0], point.get_ydata()[0]) == (difference.mean, row)
+        assert np.asarray(point.get_xydata()).tolist() == [[difference.mean, row]]
         assert bar.get_segments()[0][:, 0] == pytest.approx(difference.interval)
         assert (point.get_markerfacecolor() != "white") == difference.significant
     axes.figure.canvas.draw()
