@@ -72,7 +72,7 @@ def compose(
     The wrappers of each device, from the outermost: reports of the belt's advances to a simulated camera
     (`Follow`), validation of arguments (`Limits`), the camera's pose in the belt frame (`CameraPoses`), a log
     of calls (`Recorder`), dry run unless `live` (`DryRun`), injected faults (`Faults`), timeouts
-    (`Deadlines`), and the sorter's bin numbers (`Bins`).
+    (`Deadlines`), and the bin numbers of a sorter that has them (`Bins`).
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def compose(
     camera_is_still = "arm" in printed or kinds["arm"].absent
     camera = devices["camera"]
     camera_follows = isinstance(camera, FollowsBelt) and camera is not devices["belt"]
-    inner = _inner_layers(description)
+    inner = _inner_layers(description, numbered=kinds["sorter"].numbered)
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
         dry_run = [DryRun(say)] if role in printed else []
@@ -171,7 +171,7 @@ def _outer_layers(description: CellDescription, arm: WrappedArm) -> list[Layer]:
     return [Limits(names, bins), camera_poses]
 
 
-def _inner_layers(description: CellDescription) -> list[Layer]:
+def _inner_layers(description: CellDescription, *, numbered: bool) -> list[Layer]:
     """Return the wrappers next to the devices, the outermost first."""
     timeouts = description.timeouts
     seconds: dict[type[Act], float] = {
@@ -180,4 +180,5 @@ def _inner_layers(description: CellDescription) -> list[Layer]:
     faults: list[Layer] = []
     if description.faults is not None:
         faults = [Faults(description.faults.plan(), len(description.viewpoints))]
-    return [*faults, Deadlines(seconds, timeouts.scan), Bins(description.bin_numbers)]
+    bins = [Bins(description.bin_numbers)] if numbered else []
+    return [*faults, Deadlines(seconds, timeouts.scan), *bins]

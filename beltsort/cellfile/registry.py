@@ -52,12 +52,16 @@ class Backend:
         Whether the device moves no hardware, and so needs no `--live`.
     absent
         Whether the device is a placeholder: with an absent arm, the camera does not move.
+    numbered
+        Whether a sorter gets the numbers of the cell file's `bins`; otherwise it gets the bin's index among
+        the model's, the reject bin last.
     """
 
     make: Callable[[Mapping[str, object], "CellDescription"], Any]
     shared: bool = False
     harmless: bool = False
     absent: bool = False
+    numbered: bool = True
 
 
 def backend_of(
@@ -67,6 +71,7 @@ def backend_of(
     shared: bool = False,
     harmless: bool = False,
     absent: bool = False,
+    numbered: bool = True,
 ) -> Backend:
     """Return a back-end whose options are a frozen dataclass of plain fields.
 
@@ -76,10 +81,14 @@ def backend_of(
         The dataclass; options in the cell file are validated against its fields and their types.
     make
         Function of the options and the cell that returns a device.
-    shared, harmless, absent
+    shared, harmless, absent, numbered
         As in `Backend`.
     """
-    return Backend(lambda given, cell: make(validated(options, given), cell), shared, harmless, absent)
+
+    def made(given: Mapping[str, object], cell: "CellDescription") -> Any:
+        return make(validated(options, given), cell)
+
+    return Backend(made, shared, harmless, absent, numbered)
 
 
 def backend(role: str, name: str) -> Backend:

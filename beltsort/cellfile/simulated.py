@@ -61,7 +61,12 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
 
     labels, config = true_labels(options, cell), config_of(cell, options)
     return SimulatedCell(
-        labels, config, seed=options.seed, placement=cell.placement, bin_names=cell.bin_names
+        labels,
+        config,
+        seed=options.seed,
+        placement=cell.placement,
+        bin_names=cell.bin_names,
+        reject_bin=None if cell.reject_bin is None else len(cell.bin_names),
     )
 
 
@@ -89,21 +94,13 @@ def config_of(cell: CellDescription, options: SimulatedOptions) -> CellConfig:
     Raises
     ------
     CellFileError
-        If a viewpoint is not given by azimuth and elevation, or the bins are not numbered from 0.
+        If a viewpoint is not given by azimuth and elevation.
     """
-    numbers = [*range(len(cell.bin_names))]
-    if [*cell.bin_numbers[: len(numbers)]] != numbers:
-        raise CellFileError.of(
-            "",
-            f"bins are {cell.bins}, expected the numbers {numbers} in the order of the model's bins for a "
-            "simulated sorter: renumber them, or leave them out if they are the classes",
-        )
     return CellConfig(
         classes=cell.classes,
         viewpoints=tuple(_on_sphere(viewpoint) for viewpoint in cell.viewpoints),
         layout=cell.layout,
         meshes={name: str(cell.path(file)) for name, file in options.meshes.items()},
-        reject_bin=cell.reject_bin,
     )
 
 
@@ -138,4 +135,4 @@ def true_labels(options: SimulatedOptions, cell: CellDescription) -> list[int | 
     return [cell.classes.index(choice[i]) for i in drawn]
 
 
-BACKEND = backend_of(SimulatedOptions, make, shared=True, harmless=True)
+BACKEND = backend_of(SimulatedOptions, make, shared=True, harmless=True, numbered=False)

@@ -38,11 +38,13 @@ class SimulatedCell:
         Transforms between belt, robot's world and flange; poses are reported in the robot's world frame.
     bin_names
         Names of the bins; those of the classes by default.
+    reject_bin
+        Index of the bin for undecided objects; that of the configuration by default.
 
     Raises
     ------
     CellError
-        If a true label is no class, or the reject bin of the configuration is one of the bins.
+        If a true label is no class, or the reject bin is one of the bins.
 
     Attributes
     ----------
@@ -71,9 +73,11 @@ class SimulatedCell:
         seed: int = 0,
         placement: Placement | None = None,
         bin_names: Sequence[str] | None = None,
+        reject_bin: int | None = None,
     ) -> None:
         self._config = CellConfig() if config is None else config
         self.bin_names = tuple(self._config.classes if bin_names is None else bin_names)
+        self._reject_bin = self._config.reject_bin if reject_bin is None else reject_bin
         if self.reject_bin is not None and self.reject_bin < len(self.bin_names):
             raise CellError(
                 f"reject_bin is {self.reject_bin}, expected None or at least {len(self.bin_names)}, the "
@@ -114,7 +118,7 @@ class SimulatedCell:
     @property
     def reject_bin(self) -> int | None:
         """The bin for undecided objects, or None if the cell has none."""
-        return self._config.reject_bin
+        return self._reject_bin
 
     @property
     def arm(self) -> Self:

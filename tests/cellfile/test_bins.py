@@ -9,16 +9,19 @@ from beltsort.cell import Cell, Health, SortInto
 from beltsort.cell.bins import REJECT, bin_of
 from beltsort.cellfile.registry import BUILT_IN, Backend
 from beltsort.models import paper
+from beltsort.sim import SimulatedCell
 from beltsort.sorting.entries import Intended
 from beltsort.sorting.journal import Journal, read_journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.rules import Rules
 from tests.cellfile.cell_files import NOTHING_SIMULATED, composed
+from tests.cli.cells import PREPARE
 from tests.sorting.scripted_cell import LookOnce, ScriptedCell, scripted
 
 MODEL = paper()
 BINS = "\nbins = {elongated = 4, livarno = 7, mushroom = 6, standard = 5}\nreject_bin = 9\nobjects = 10\n"
 MAPPED = ("\nobjects = 10\n", BINS)
+FILES = (PREPARE, 'model = "model.json"\nclassifier = "classifier.npz"')
 
 
 class Press:
@@ -83,3 +86,35 @@ def test_a_cell_that_numbers_no_bins_sends_labels(tmp_path: Path) -> None:
     assert [intent.number for intent in intents] == [target for name, target in cell.acts if name == "sort"]
     assert [intent.bin for intent in intents] == [MODEL.classes[intent.number or 0] for intent in intents]
     assert str(bin_of(cell, 17)) == 'bin "reject" (17)'
+
+
+def test_a_simulated_sorter_has_its_bins_by_name(tmp_path: Path) -> None:
+    devices: list[object] = []
+    cell = composed(tmp_path, MAPPED, made=devices.append)
+    intents = sorts(tmp_path, cell, Rules())
+    (simulated,) = devices
+    assert isinstance(simulated, SimulatedCell)
+    labels = [intent.command.act.target for intent in intents]
+    assert simulated.bins == list(enumerate(labels))
+    assert [intent.number for intent in intents] == [(4, 7, 6, 5)[label] for label in labels]
+    cell.sorter.sort(4, "rejected")
+    assert simulated.bins[-1] == (3, 4), "the reject bin is behind the others, whatever its number is"
+
+
+def test_a_simulated_sorter_may_have_fewer_bins_than_classes(tmp_path: Path) -> None:
+    devices: list[object] = []
+    two = ("\nobjects = 10\n", "\nobjects = 10\nbins = {glass = 7, metal = 3}\nreject_bin = 1\n")
+    cell = composed(tmp_path, two, FILES, made=devices.append)
+    assert cell.reject_bin == 2
+    cell.sorter.sort(cell.reject_bin, "rejected")
+    (simulated,) = devices
+    assert isinstance(simulated, SimulatedCell)
+    assert simulated.bins == [(0, 2)]
+
+
+def test_a_real_sorter_sorts_what_simulated_devices_bring(press: Press, tmp_path: Path) -> None:
+    at_press = ('[sorter]\nbackend = "simulated"', '[sorter]\nbackend = "press"')
+    cell = composed(tmp_path, MAPPED, FILES, at_press, live=True)
+    intents = sorts(tmp_path, cell, Rules())
+    assert press.numbers == [intent.number for intent in intents]
+    assert press.numbers == [(4, 7, 6, 5)[intent.command.act.target] for intent in intents]

@@ -173,8 +173,8 @@ def test_what_cannot_be_simulated_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CellFileError, match=r"viewpoint p1\b.*\bazimuth\b.*\belevation\b"):
         compose(joints, live=False, say=print)
     bins = "bins = {elongated = 1, livarno = 0, mushroom = 2, standard = 3}"
-    with pytest.raises(CellFileError, match=r"\bbins\b.*'elongated': 1, 'livarno': 0, "):
-        compose(described(tmp_path, (OBJECTS, f"\n{bins}\n")), live=False, say=print)
+    numbered = compose(described(tmp_path, (OBJECTS, f"\n{bins}\n")), live=False, say=print)
+    assert numbered.bin_numbers == (1, 0, 2, 3), "bins may have any numbers"
     with pytest.raises(CellFileError, match=r"draw_from\[1\]: .*'livarn'.*'livarno'"):
         compose(described(tmp_path, ('"livarno"]', '"livarn"]')), live=False, say=print)
 
