@@ -29,7 +29,8 @@ from beltsort.sim.demo import TRIALS, true_labels
 from beltsort.sim.prepare import prepare
 from beltsort.sorting.entries import Decided, Scanned
 from beltsort.sorting.journal import read_journal
-from beltsort.sorting.runs import JOURNAL, sort_into
+from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.runs import sort_into
 from beltsort.util.colours import COLOURS
 
 SEED = 27  # a run in which the camera moves: at most one object in three needs a second viewpoint

@@ -16,10 +16,11 @@ from beltsort.cellfile.ingredients import model_and_classifier, model_file, poli
 from beltsort.errors import CellError
 from beltsort.perception import Classifier, perception_for
 from beltsort.planning.policy import Policy
-from beltsort.rrd import Recorder, recorded
+from beltsort.rrd import Recorder
 from beltsort.sim.prepare import StageProgress
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
-from beltsort.sorting.journal import Journal, Listener
+from beltsort.sorting.journal import Journal, Listeners, listeners_of
+from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper, all_of
 from beltsort.sorting.locks import devices_locked, locked
 from beltsort.sorting.loop import Check, nothing, resume_sorting
@@ -28,7 +29,6 @@ from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.requests import drop_requests, taking_requests
 from beltsort.sorting.runs import (
-    JOURNAL,
     LOCK,
     POLICY,
     CallLog,
@@ -84,7 +84,7 @@ class CellRun:
 
     def sort(
         self,
-        listener: Listener | None = None,
+        listeners: Listeners = None,
         operator: Operator = nobody,
         check: Check = nothing,
         *,
@@ -93,7 +93,8 @@ class CellRun:
     ) -> SortingReport:
         """Sort the objects, or those that are left, and record every step in the journal.
 
-        All devices are stopped if the run ends early. `operator` and `check` are as in
+        All devices are stopped if the run ends early. `listeners` are called with every entry of the
+        journal; one that fails is not called again. `operator` and `check` are as in
         `beltsort.sorting.loop.sort_objects`. `allow_hold` makes a token with which a person can hold and
         continue the run (`beltsort.sorting.requests`); a run without it goes on after an earlier hold. A
         `recorder` writes a recording for the rerun viewer.
@@ -112,25 +113,25 @@ class CellRun:
         with run, devices_locked(self.devices), recorder or nullcontext():
             if not allow_hold:
                 drop_requests(self.folder)
-                return self._sort(listener, operator, check, None, recorder)
+                return self._sort(listeners, operator, check, None, recorder)
             with taking_requests(self.folder):
-                return self._sort(listener, operator, check, self.folder, recorder)
+                return self._sort(listeners, operator, check, self.folder, recorder)
 
     def _sort(
         self,
-        listener: Listener | None,
+        listeners: Listeners,
         operator: Operator,
         check: Check,
         requests: Path | None,
         recorder: Recorder | None,
     ) -> SortingReport:
-        listener = recorded(recorder, listener)
+        heard_by = (recorder, *listeners_of(listeners))
         scan_listener = None if recorder is None else recorder.scanned
         description = self.description
         settings = description.perception
         perception = perception_for(self.model, description.layout, self.classifier, settings)
         if self.broken_off is not None:
-            with Journal(self.folder / JOURNAL, listener, resume=True) as journal:
+            with Journal(self.folder / JOURNAL, heard_by, resume=True) as journal:
                 return resume_sorting(
                     *(self.cell, perception, self.policy, journal),
                     rules=description.rules,
@@ -158,7 +159,7 @@ class CellRun:
             rules=description.rules,
             operator=operator,
             drift=description.drift,
-            listener=listener,
+            listeners=heard_by,
             check=check,
             requests=requests,
             scan_listener=scan_listener,

@@ -15,7 +15,7 @@ from beltsort.cli.progress import stage_progress
 from beltsort.planning.named_policy import HELP, located_policy
 from beltsort.sorting.holds import Answer, HeldError, Hold
 from beltsort.sorting.interrupts import Interrupts
-from beltsort.sorting.runs import JOURNAL
+from beltsort.sorting.journal_files import JOURNAL
 
 if TYPE_CHECKING:
     from rich.console import Console

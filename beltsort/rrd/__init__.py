@@ -4,6 +4,6 @@ The recorder writes a file and opens no connection. It neither reads nor writes 
 statistics are sent by rerun's own programs, such as its viewer, until `rerun analytics disable`.
 """
 
-from beltsort.rrd.recorder import Recorder, recorded
+from beltsort.rrd.recorder import Recorder
 
-__all__ = ["Recorder", "recorded"]
+__all__ = ["Recorder"]

@@ -19,7 +19,7 @@ from beltsort.rrd import scene
 from beltsort.rrd.blueprint import arranged
 from beltsort.rrd.package import load_rerun
 from beltsort.sorting.entries import Chosen, Decided, Planned, Scanned, Skipped, StateChanged
-from beltsort.sorting.journal import Entry, Listener
+from beltsort.sorting.journal import Entry
 from beltsort.sorting.last_scan import TellsCandidate
 from beltsort.sorting.perceived import PerceivedPosition
 
@@ -215,16 +215,3 @@ class Recorder:
         if "move" in option:
             return f"look_from_{self._model.viewpoints[option['move']]}"
         return f"decide_{self._model.bins[option['decide']]}"
-
-
-def recorded(recorder: Recorder | None, listener: Listener | None) -> Listener | None:
-    """Return a listener of the journal that records and then calls another one."""
-    if recorder is None:
-        return listener
-
-    def listen(entry: Entry) -> None:
-        recorder(entry)
-        if listener is not None:
-            listener(entry)
-
-    return listen

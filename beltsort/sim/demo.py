@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 import beltsort
 from beltsort.perception import Perception
 from beltsort.planning.decisions import right_bins
-from beltsort.rrd import Recorder, recorded
+from beltsort.rrd import Recorder
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.prepare import Prepared
 from beltsort.sorting.belief_figure import draw_belief
 from beltsort.sorting.journal import Listener, read_journal
+from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.report import SortingReport, confusion
-from beltsort.sorting.runs import JOURNAL, plain_decision, sort_into, write_true_classes
+from beltsort.sorting.runs import plain_decision, sort_into, write_true_classes
 
 OBJECTS = 10
 DRAWN_FROM = ("elongated", "livarno")
@@ -138,7 +139,7 @@ def run_demo(
             planner,
             model,
             objects=OBJECTS,
-            listener=recorded(recorder, listener),
+            listeners=(recorder, listener),
             scan_listener=None if recorder is None else recorder.scanned,
         )
     sorted_at = perf_counter()

@@ -24,9 +24,9 @@ from beltsort.sorting.entries import (
     Started,
 )
 from beltsort.sorting.journal import Entry, read_journal
+from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.progress import Progress, model_of
 
-JOURNAL = "journal.sqlite"
 COLUMNS = ("number", "time", "kind", "object", "data")
 
 

@@ -1,16 +1,16 @@
 """The durable record of a run.
 
 An append-only list of entries in SQLite files. Every entry is on the disk before the call that wrote it
-returns (WAL, synchronous=FULL), so that the cell's actions are known after any crash, except for the outcome
-of one command: the *intent* that no *outcome* follows.
+returns (synchronous=FULL), so that the cell's actions are known after any crash, except for the outcome of
+one command: the *intent* that no *outcome* follows.
 
 A long run is kept in several files, of which the oldest are dropped: `journal.sqlite` is being written, the
-full ones beside it are numbered (`journal-0001.sqlite`).
+full ones beside it are numbered (`journal-0001.sqlite`). docs/journal.md describes the format.
 """
 
 import json
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -20,19 +20,17 @@ from typing import Any, Self
 
 from beltsort._core import __version__
 from beltsort.errors import JournalError, JournalNotWrittenError
-from beltsort.sorting.entries import AnyContent, Snapshot, Unheard
+from beltsort.sorting.entries import AnyContent, Snapshot, Started, Unheard
 from beltsort.sorting.entry_format import content_of, plain
-
-VERSION = 2
-SCHEMA = """
-CREATE TABLE entries (
-    number INTEGER PRIMARY KEY,
-    time TEXT NOT NULL,
-    kind TEXT NOT NULL,
-    object INTEGER,
-    data TEXT NOT NULL CHECK (json_valid(data))
+from beltsort.sorting.journal_files import (
+    VERSION,
+    copied,
+    full_files,
+    next_full_file,
+    open_journal,
+    open_to_read,
+    transaction,
 )
-"""
 
 
 @dataclass(frozen=True)
@@ -72,6 +70,11 @@ class Entry:
 
 
 Listener = Callable[[Entry], None]
+Listeners = Listener | Sequence[Listener | None] | None
+"""One listener, several, or none."""
+
+WHOLE = (Started.kind, Snapshot.kind)
+"""Kinds of entries before which nothing needs to be known."""
 
 
 class Journal:
@@ -81,8 +84,8 @@ class Journal:
     ----------
     path
         The SQLite file; it must not exist yet, unless the run is resumed.
-    listener
-        Called with every entry after it has been written.
+    listeners
+        Called with every entry after it has been written; one that fails is not called again.
     resume
         Continue an existing journal.
     largest
@@ -99,7 +102,7 @@ class Journal:
     def __init__(
         self,
         path: Path,
-        listener: Listener | None = None,
+        listeners: Listeners = None,
         *,
         resume: bool = False,
         largest: int = 100_000_000,
@@ -107,64 +110,84 @@ class Journal:
     ) -> None:
         if path.exists() and not resume:
             raise JournalError(f"{path} exists already; a run never overwrites another: name a new file")
-        last = read_journal(path)[-1] if resume else None
+        last = _last_row(path) if resume else None
         self.path = path
-        self.object: int | None = None if last is None else last.object
-        self._listener = listener
+        self._listeners = listeners_of(listeners)
         self._largest, self._keep = largest, keep
-        self._before = 0 if last is None else last.number  # number of the last entry of the full files
-        self._database = self._opened()
+        with self._failing_as("made"):
+            self._database = open_journal(path)
+        self.object: int | None = None if last is None else last[1]
+        self._before = 0 if last is None else last[0]  # number of the last entry of the full files
 
     def append(self, content: AnyContent) -> Entry:
         """Write one entry; it is on the disk when this returns."""
-        time = datetime.now(UTC).isoformat()
         with self._failing_as("written"):
-            # SQLite numbers the entries, so that an interrupt cannot separate the number from the row.
-            cursor = self._database.execute(
-                "INSERT INTO entries SELECT coalesce(max(number), ?) + 1, ?, ?, ?, ? FROM entries",
-                (self._before, time, content.kind, self.object, json.dumps(plain(content))),
-            )
-        entry = Entry(int(cursor.lastrowid or 0), time, self.object, content)
-        if self._listener:
-            self._notify(self._listener, entry)
+            entry = self._insert(content)
+        self._notify(entry)
         return entry
 
-    def _notify(self, listener: Listener, entry: Entry) -> None:
-        """Call the listener; one that fails, as a console that was closed, is not called again."""
-        try:
-            listener(entry)
-        except Exception as failure:  # any exception; the run continues
-            self._listener = None
-            self.append(Unheard(repr(failure)))
+    def _insert(self, content: AnyContent) -> Entry:
+        time = datetime.now(UTC).isoformat()
+        # SQLite numbers the entries, so that an interrupt cannot separate the number from the row.
+        cursor = self._database.execute(
+            "INSERT INTO entries SELECT coalesce(max(number), ?) + 1, ?, ?, ?, ? FROM entries",
+            (self._before, time, content.kind, self.object, json.dumps(plain(content))),
+        )
+        return Entry(int(cursor.lastrowid or 0), time, self.object, content)
+
+    def _notify(self, entry: Entry) -> None:
+        """Call the listeners; one that fails, as a console that was closed, is not called again."""
+        for listener in self._listeners:
+            try:
+                listener(entry)
+            except Exception as failure:  # any exception; the run continues
+                self._listeners = tuple(other for other in self._listeners if other is not listener)
+                self.append(Unheard(repr(failure)))
 
     @property
     def full(self) -> bool:
-        """Whether the file being written is to be followed by another."""
-        (pages,), (bytes_per_page,) = (
-            self._database.execute(f"PRAGMA {what}").fetchone() for what in ("page_count", "page_size")
+        """Whether the entries of the file being written are to be followed by those of another."""
+        (pages,), (unused,), (bytes_per_page,) = (
+            self._database.execute(f"PRAGMA {what}").fetchone()
+            for what in ("page_count", "freelist_count", "page_size")
         )
-        return int(pages) * int(bytes_per_page) > self._largest
+        return (int(pages) - int(unused)) * int(bytes_per_page) > self._largest
+
+    @property
+    def whole(self) -> bool:
+        """Whether the file being written can be read without those before it."""
+        return _first_kind(self._database) in WHOLE
 
     def rotate(self, snapshot: Snapshot) -> None:
-        """Begin a new file, and drop the oldest.
+        """Copy the entries to a numbered file, begin anew with a snapshot, and drop the oldest files.
+
+        The file being written keeps its place, since its readers may have it open. A rotation that is cut
+        short leaves either the entries in both files, and readers take them once, or nothing to be done.
 
         Parameters
         ----------
         snapshot
-            The first entry of the new file: the state of the run, for which the old files are not needed.
+            The first entry from now on: the state of the run, for which the old files are not needed.
         """
-        (number,) = self._database.execute("SELECT max(number) FROM entries").fetchone()
-        full = _full_files(self.path)
         with self._failing_as("rotated"):
-            self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-            self._database.close()
-            latest = int(full[-1].stem.rpartition("-")[2]) if full else 0
-            self.path.rename(_full_file(self.path, latest + 1))
-            self._before = int(number)
-            self._database = self._opened()
-            self.append(snapshot)
-            for old in full[: max(0, len(full) + 1 - self._keep)]:
-                old.unlink()
+            (number,) = self._database.execute("SELECT max(number) FROM entries").fetchone()
+            if number is not None:
+                self._drop_oldest()
+                copied(self._database, next_full_file(self.path))
+                self._before = int(number)
+            with transaction(self._database):
+                self._database.execute("DELETE FROM entries")
+                entry = self._insert(snapshot)
+        self._notify(entry)
+
+    def _drop_oldest(self) -> None:
+        """Make room for one more full file; the oldest one left can be read without those dropped."""
+        full = full_files(self.path)
+        surplus = max(0, len(full) + 1 - self._keep)
+        while surplus > 0 and not (_reads_alone(full[surplus]) if surplus < len(full) else self.whole):
+            surplus -= 1
+        for old in full[:surplus]:
+            old.unlink()
 
     def close(self) -> None:
         """Close the file; everything appended is in it."""
@@ -179,19 +202,6 @@ class Journal:
     ) -> None:
         """Close the file."""
         self.close()
-
-    def _opened(self) -> sqlite3.Connection:
-        """Open the file, and make it if need be."""
-        with self._failing_as("made"):
-            database = sqlite3.connect(self.path, isolation_level=None)
-            database.execute("PRAGMA journal_mode=WAL")
-            database.execute("PRAGMA synchronous=FULL")
-            if database.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
-                database.execute("BEGIN")
-                database.execute(SCHEMA)
-                database.execute(f"PRAGMA user_version={VERSION}")
-                database.execute("COMMIT")
-        return database
 
     @contextmanager
     def _failing_as(self, what: str) -> Iterator[None]:
@@ -217,12 +227,11 @@ def read_journal(path: Path) -> list[Entry]:
     JournalError
         If the file is missing, damaged, empty, or no journal of this version.
     """
-    files = [file for file in (*_full_files(path), path) if file.is_file()]
-    if not files:
-        raise JournalError(f"{path} does not exist; name the journal.sqlite of a run folder")
+    if not _files(path):
+        raise _missing(path)
     entries = entries_after(path, 0)
     if not entries:
-        raise JournalError(f"{path} has no entries: the run was killed before it began; start it anew")
+        raise _empty(path)
     return entries
 
 
@@ -234,35 +243,81 @@ def entries_after(path: Path, number: int) -> list[Entry]:
     JournalError
         If a file is damaged, or no journal of this version.
     """
-    files = [file for file in (*_full_files(path), path) if file.is_file()]
-    return [entry for file in files for entry in _read_file(file, number)]
+    # The file being written first: entries are copied from it to a full one before they are removed here.
+    newest = _read_file(path, number) if path.is_file() else []
+    if newest and newest[0].number == number + 1:
+        return newest
+    entries: list[Entry] = []
+    for file in full_files(path):
+        entries += _read_file(file, entries[-1].number if entries else number)
+    latest = entries[-1].number if entries else number
+    return [*entries, *(entry for entry in newest if entry.number > latest)]
 
 
-def _read_only(file: Path) -> sqlite3.Connection:
-    """Open a file so that nothing is written or left behind, even by a reader that is killed.
+def listeners_of(listeners: Listeners) -> tuple[Listener, ...]:
+    """Return listeners as a tuple."""
+    if listeners is None:
+        return ()
+    every = [listeners] if callable(listeners) else listeners
+    return tuple(listener for listener in every if listener is not None)
 
-    Without a write-ahead log beside it, no run has the file open. SQLite would then make one in order to
-    read, and could not remove it; it does not if it is told that the file does not change.
-    """
-    unused = not file.with_name(f"{file.name}-wal").exists()
-    address = f"{file.absolute().as_uri()}?mode=ro{'&immutable=1' if unused else ''}"
-    return sqlite3.connect(address, uri=True)
+
+def _files(path: Path) -> list[Path]:
+    """Return the files of a journal, oldest first."""
+    return [file for file in (*full_files(path), path) if file.is_file()]
+
+
+def _missing(path: Path) -> JournalError:
+    return JournalError(f"{path} does not exist; name the journal.sqlite of a run folder")
+
+
+def _empty(path: Path) -> JournalError:
+    return JournalError(f"{path} has no entries: the run was killed before it began; start it anew")
+
+
+def _last_row(path: Path) -> tuple[int, int | None]:
+    """Return number and object of the last entry of a journal."""
+    if not _files(path):
+        raise _missing(path)
+    for file in reversed(_files(path)):
+        if rows := _rows(file, "SELECT number, object FROM entries ORDER BY number DESC LIMIT 1"):
+            return int(rows[0][0]), rows[0][1]
+    raise _empty(path)
+
+
+def _first_kind(database: sqlite3.Connection) -> str | None:
+    row = database.execute("SELECT kind FROM entries ORDER BY number LIMIT 1").fetchone()
+    return None if row is None else str(row[0])
+
+
+def _reads_alone(file: Path) -> bool:
+    """Whether a file can be read without those before it."""
+    with closing(open_to_read(file)) as database:
+        return _first_kind(database) in WHOLE
 
 
 def _read_file(file: Path, after: int) -> list[Entry]:
+    rows = _rows(file, "SELECT * FROM entries WHERE number > ? ORDER BY number", after)
+    return [_entry(file, *row) for row in rows]
+
+
+def _rows(file: Path, query: str, *values: int) -> list[Any]:
+    """Return the rows of a query; none of a file whose table was not made before a kill."""
     try:
-        with closing(_read_only(file)) as database:
+        with closing(open_to_read(file)) as database:
             (version,) = database.execute("PRAGMA user_version").fetchone()
             if version == 0 and database.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
                 return []
             if version != VERSION:
-                raise JournalError(f"{file} is no journal of version {VERSION} (found {version})")
-            rows = database.execute(
-                "SELECT * FROM entries WHERE number > ? ORDER BY number", (after,)
-            ).fetchall()
+                raise JournalError(_other_version(file, int(version)))
+            return database.execute(query, values).fetchall()
     except (sqlite3.Error, ValueError) as reason:
         raise JournalError(f"{file} cannot be read as a journal: {reason}") from reason
-    return [_entry(file, *row) for row in rows]
+
+
+def _other_version(file: Path, version: int) -> str:
+    remedy = f": `beltsort migrate {file.parent}` makes one of it" if version == 1 else ""
+    return f"{file} is no journal of version {VERSION} (found {version}){remedy}"
 
 
 def _entry(file: Path, number: int, time: str, kind: str, index: int | None, data: str) -> Entry:
@@ -273,12 +328,3 @@ def _entry(file: Path, number: int, time: str, kind: str, index: int | None, dat
             f"{file}: entry {number} ({kind}) is none that beltsort {__version__} knows: {reason}; read it "
             "with the version that wrote it, which its first entry names, or it is damaged"
         ) from reason
-
-
-def _full_files(path: Path) -> list[Path]:
-    """Return the full files beside the one being written, oldest first."""
-    return sorted(path.parent.glob(f"{path.stem}-[0-9][0-9][0-9][0-9]{path.suffix}"))
-
-
-def _full_file(path: Path, number: int) -> Path:
-    return path.with_name(f"{path.stem}-{number:04}{path.suffix}")

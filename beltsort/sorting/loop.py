@@ -24,7 +24,7 @@ from beltsort.sorting.last_scan import ScanListener
 from beltsort.sorting.observing import Observer
 from beltsort.sorting.perceived import NamesLabels, Perceive, PerceivedPosition
 from beltsort.sorting.progress import Next, Progress
-from beltsort.sorting.record import Record, progress_in
+from beltsort.sorting.record import Record
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.requests import read_request, standing_hold
 from beltsort.sorting.rules import Drift, Rules
@@ -175,7 +175,7 @@ def resume_sorting(
     BeltsortError
         As `sort_objects`.
     """
-    record = Record(journal, progress_in(journal.path))
+    record = Record.resumed(journal)
     watching = check, requests, scan_listener
     loop = _Loop(cell, perceive, policy, record, rules or Rules(), operator, drift, *watching)
     return loop.run(

@@ -1,6 +1,7 @@
 """Writing an entry and applying it to the state: the only way in which a run's state changes."""
 
 from pathlib import Path
+from typing import Self
 
 from beltsort.sorting.entries import AnyContent
 from beltsort.sorting.journal import Entry, Journal, read_journal
@@ -20,6 +21,20 @@ class Record:
 
     def __init__(self, journal: Journal, progress: Progress) -> None:
         self.journal, self.progress = journal, progress
+
+    @classmethod
+    def resumed(cls, journal: Journal) -> Self:
+        """Return the record of a run that is resumed.
+
+        Raises
+        ------
+        JournalError
+            As `progress_in`.
+        """
+        record = cls(journal, progress_in(journal.path))
+        if not journal.whole:  # an earlier version was killed between two files
+            journal.rotate(record.progress.snapshot())
+        return record
 
     def __call__(self, content: AnyContent) -> Entry:
         """Write an entry, apply it to the state, and return it."""

@@ -13,14 +13,15 @@ from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
-from beltsort.sorting.journal import Journal, Listener
+from beltsort.sorting.journal import Journal, Listeners
+from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper, ScanListener, all_of
 from beltsort.sorting.loop import Check, nothing, sort_objects
 from beltsort.sorting.perceived import Perceive
 from beltsort.sorting.report import Decision, SortingReport
 from beltsort.sorting.rules import Drift, Rules
 
-JOURNAL, MODEL, CALLS, LOCK = "journal.sqlite", "model.json", "calls.jsonl", "lock"
+MODEL, CALLS, LOCK = "model.json", "calls.jsonl", "lock"
 TRUTH = "true-classes.json"
 POLICY = "policy.txt"
 """The name of the policy, in the folder of a run with a cell file."""
@@ -61,18 +62,18 @@ def sort_into(
     rules: Rules | None = None,
     operator: Operator = nobody,
     drift: Drift | None = None,
-    listener: Listener | None = None,
+    listeners: Listeners = None,
     check: Check = nothing,
     requests: Path | None = None,
     scan_listener: ScanListener | None = None,
 ) -> SortingReport:
     """Sort the next objects of the belt; model, journal and last scan are kept in an existing folder.
 
-    Parameters, returns and raises as `beltsort.sorting.loop.sort_objects`; `listener` is called with every
+    Parameters, returns and raises as `beltsort.sorting.loop.sort_objects`; `listeners` are called with every
     entry of the journal.
     """
     model.save(folder / MODEL)
-    with Journal(folder / JOURNAL, listener) as journal:
+    with Journal(folder / JOURNAL, listeners) as journal:
         return sort_objects(
             *(cell, perceive, policy, model, journal),
             objects=objects,

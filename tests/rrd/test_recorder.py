@@ -15,7 +15,7 @@ from rerun.chunk import RrdReader
 from beltsort.cli import main
 from beltsort.sorting.entries import Decided, Planned, Scanned
 from beltsort.sorting.journal import read_journal
-from beltsort.sorting.runs import JOURNAL
+from beltsort.sorting.journal_files import JOURNAL
 
 from .conftest import SEED, RecordedRun, record
 
