@@ -18,6 +18,7 @@ from beltsort.perception import Classifier, perception_for
 from beltsort.planning.policy import Policy
 from beltsort.rrd import Recorder
 from beltsort.sim.prepare import StageProgress
+from beltsort.sorting.call_log import CallLog
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listeners, listeners_of
 from beltsort.sorting.journal_files import JOURNAL
@@ -31,7 +32,6 @@ from beltsort.sorting.requests import drop_requests, taking_requests
 from beltsort.sorting.runs import (
     LOCK,
     POLICY,
-    CallLog,
     make_folder,
     run_name,
     sort_into,

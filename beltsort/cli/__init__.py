@@ -16,6 +16,7 @@ from beltsort import BeltsortError, __version__
 from beltsort.cell.commands import CommandError, EmergencyStopError
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cli import (
+    backup,
     calibrate_belt,
     calibrate_check,
     check,
@@ -48,7 +49,7 @@ from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.sorting.interrupts import Interrupted
 
 GROUPS = {
-    "sort": (demo, run, example, check, home, show, watch, explain),
+    "sort": (demo, run, example, check, home, show, watch, explain, backup),
     "plan": (plan, evaluate, compare, sweep, solve, export, info),
     "perceive": (train, classify, estimate, prepare, viewpoints, calibrate_belt, calibrate_check),
     "paper": (reproduce,),

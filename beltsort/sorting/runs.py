@@ -2,14 +2,12 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from beltsort import SortingModel
 from beltsort.cell.protocols import Cell
-from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
@@ -21,7 +19,7 @@ from beltsort.sorting.perceived import Perceive
 from beltsort.sorting.report import Decision, SortingReport
 from beltsort.sorting.rules import Drift, Rules
 
-MODEL, CALLS, LOCK = "model.json", "calls.jsonl", "lock"
+MODEL, LOCK = "model.json", "lock"
 TRUTH = "true-classes.json"
 POLICY = "policy.txt"
 """The name of the policy, in the folder of a run with a cell file."""
@@ -111,24 +109,6 @@ def read_true_classes(folder: Path) -> dict[int, int | None]:
         return {int(number): None if label is None else int(label) for number, label in classes.items()}
     except (OSError, ValueError, TypeError, AttributeError):
         return {}
-
-
-class CallLog:
-    """Adds calls of devices, a line of JSON each, to a file in the run's folder.
-
-    Attributes
-    ----------
-    folder
-        Must exist when the first call is recorded.
-    """
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    def __call__(self, recorded: Recorded) -> None:
-        """Add one call."""
-        with (self.folder / CALLS).open("a") as file:
-            print(json.dumps(asdict(recorded)), file=file)
 
 
 def plain_decision(decision: Decision, bins: Sequence[str]) -> dict[str, Any]:
