@@ -30,3 +30,15 @@ def test_a_file_of_that_name_comes_first(tmp_path: Path, monkeypatch: pytest.Mon
         ModelError, match=r"papr: neither a file nor a packaged model; did you mean .paper.\?"
     ):
         models.load("papr")
+
+
+def test_a_missing_file_is_told_from_the_nearest_in_its_folder(tmp_path: Path) -> None:
+    models.paper().save(tmp_path / "model.json")
+    for name in ("other.json", "rows.csv"):
+        (tmp_path / name).write_text("{}")
+    with pytest.raises(ModelError, match=r"modle\.json: neither .* mean '.*/model\.json'\?") as raised:
+        models.load(tmp_path / "modle.json")
+    assert "other.json" in str(raised.value)
+    assert "rows.csv" not in str(raised.value)
+    with pytest.raises(ModelError, match=r"there is no directory .*/nowhere; correct the path"):
+        models.load(tmp_path / "nowhere" / "model.json")

@@ -6,6 +6,7 @@ from beltsort import ArgumentError
 from beltsort import compare as simulate
 from beltsort.cli.arguments import Subparsers, add_json, add_model, add_simulation, load_model, simulation_of
 from beltsort.cli.output import print_json
+from beltsort.cli.progress import terminal_progress
 from beltsort.planning.named_policy import HELP, named_policy
 
 EXAMPLE = "beltsort compare paper --policies despot:100 threshold:0.94 one-object --batches 100"
@@ -34,12 +35,10 @@ def run(arguments: Namespace) -> int:
     names: list[str] = arguments.policies
     if len(set(names)) < len(names):
         raise ArgumentError(f"--policies {' '.join(names)} names a policy twice; name each once")
-    comparison = simulate(
-        model,
-        {name: named_policy(name, model) for name in names},
-        baseline=arguments.baseline,
-        **simulation_of(arguments, model),
-    )
+    policies = {name: named_policy(name, model) for name in names}
+    settings = simulation_of(arguments, model)
+    with terminal_progress("policies") as progress:
+        comparison = simulate(model, policies, baseline=arguments.baseline, progress=progress, **settings)
     if arguments.json:
         print_json({"command_line": arguments.command_line, **comparison.to_dict()})
     else:

@@ -6,7 +6,7 @@ from beltsort._core import DEFAULT_TREE_DEPTH
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
-from beltsort.planning.explanation import action_in_words, explain, tree_in_names
+from beltsort.planning.explanation import action_in_words, chosen_part, explain, tree_in_names
 from beltsort.sorting.audit import (
     ObjectHistory,
     Step,
@@ -43,6 +43,12 @@ def add_parser(subparsers: Subparsers) -> None:
         metavar="D",
         help="planner steps to explain (default: %(default)s)",
     )
+    parser.add_argument(
+        "--whole-tree",
+        action="store_true",
+        help="with --json, print the searched tree with all actions and branches (default: the values of "
+        "the step's actions, and what is likely to follow the chosen one)",
+    )
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -53,7 +59,8 @@ def run(arguments: Namespace) -> int:
     if arguments.object is not None:
         history = object_history(entries, arguments.object)
         if arguments.json:
-            print_json({"object": arguments.object, **object_as_json(history, arguments.depth)})
+            told = object_as_json(history, arguments.depth, whole_tree=arguments.whole_tree)
+            print_json({"object": arguments.object, **told})
         else:
             show_object(history, arguments.object, arguments.depth)
         return 0
@@ -61,7 +68,8 @@ def run(arguments: Namespace) -> int:
     failures = list(incidents_of(entries, step))
     if arguments.json:
         during = [{"kind": entry.kind, **entry.data} for entry in failures]
-        print_json(as_json(step, arguments.depth) | {"befell": during})
+        told = as_json(step, arguments.depth, whole_tree=arguments.whole_tree)
+        print_json(told | {"befell": during})
         return 0
     show(step, arguments.depth)
     if failures:
@@ -73,9 +81,12 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def as_json(step: Step, depth: int) -> dict[str, object]:
+def as_json(step: Step, depth: int, *, whole_tree: bool) -> dict[str, object]:
     """Return the step as plain data."""
     plan = step.plan_again()
+    tree = None if plan is None else plan.tree(depth)
+    if plan is not None and tree is not None and not whole_tree:
+        tree = chosen_part(tree, plan.action)
     return {
         "step": step.number,
         "time": step.entry.time,
@@ -86,7 +97,7 @@ def as_json(step: Step, depth: int) -> dict[str, object]:
         "reason": step.reason,
         "drift_alarms": step.alarms,
         "same_again": None if plan is None else plan.action == step.action,
-        "tree": None if plan is None else tree_in_names(step.model, plan.tree(depth)),
+        "tree": None if tree is None else tree_in_names(step.model, tree),
     }
 
 
@@ -125,7 +136,7 @@ def show_reason(step: Step, depth: int) -> None:
         )
 
 
-def object_as_json(history: ObjectHistory, depth: int) -> dict[str, object]:
+def object_as_json(history: ObjectHistory, depth: int, *, whole_tree: bool) -> dict[str, object]:
     """Return the history of an object as plain data."""
     model = history.model
     looks = [
@@ -147,7 +158,7 @@ def object_as_json(history: ObjectHistory, depth: int) -> dict[str, object]:
             outcome = {"decided": decided, "belief": made.belief, "looks": made.looks, "forced": made.forced}
         case Skipped():
             outcome = {"skipped": True}
-    why = None if history.step is None else as_json(history.step, depth)
+    why = None if history.step is None else as_json(history.step, depth, whole_tree=whole_tree)
     return {"looks": looks, "outcome": outcome, "decision_step": why}
 
 

@@ -1,5 +1,6 @@
 """Progress of long tasks."""
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
@@ -69,3 +70,15 @@ def stage_progress(console: "Console") -> "Iterator[StageProgress]":
             return lambda done, total: bars.update(task, completed=done, total=total)
 
         yield start
+
+
+@contextmanager
+def terminal_progress(what: str) -> "Iterator[Progress | None]":
+    """Yield a callback that draws a bar on standard error, or None where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from beltsort.cli.console import RunConsole
+
+    with stage_progress(RunConsole(stderr=True)) as stage:
+        yield stage(what)

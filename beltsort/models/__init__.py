@@ -1,5 +1,6 @@
 """Models that come with the package."""
 
+from difflib import get_close_matches
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
@@ -45,6 +46,8 @@ def simulated() -> SortingModel:
 
 
 PACKAGED = {"paper": paper, "simulated": simulated}
+FILES_NAMED = 5
+"""Most files that the message about a missing model names."""
 
 
 def load(name: str | PathLike[str]) -> SortingModel:
@@ -58,8 +61,8 @@ def load(name: str | PathLike[str]) -> SortingModel:
     Raises
     ------
     ModelError
-        As `SortingModel.load`. Where there is no such file, and the name is one word, the message lists the
-        packaged models.
+        As `SortingModel.load`. Where there is neither such a file nor a packaged model, the message names the
+        nearest of the packaged models and of the JSON files in the file's folder.
 
     Examples
     --------
@@ -71,8 +74,10 @@ def load(name: str | PathLike[str]) -> SortingModel:
         return SortingModel.load(path)
     if str(name) in PACKAGED:
         return PACKAGED[str(name)]()
-    if path.parent == Path() and not path.suffix:
-        raise ModelError(
-            f"{name!s}: neither a file nor a packaged model; {nearest_of(str(name), list(PACKAGED))}"
-        )
-    return SortingModel.load(path)
+    if not path.parent.is_dir():
+        raise ModelError(f"{name!s}: there is no directory {path.parent}; correct the path")
+    files_there = sorted(str(found) for found in path.parent.glob("*.json"))
+    near = get_close_matches(str(path), files_there, n=FILES_NAMED, cutoff=0.0)
+    raise ModelError(
+        f"{name!s}: neither a file nor a packaged model; {nearest_of(str(name), [*PACKAGED, *near])}"
+    )

@@ -1,6 +1,6 @@
 """Simulation of several policies on the same objects."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from numpy.typing import ArrayLike
 
@@ -34,6 +34,7 @@ def compare(
     belt_ends: bool = False,
     baseline: str | None = None,
     metrics: Sequence[str] | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Comparison:
     """Evaluate policies on the same batches.
 
@@ -56,6 +57,8 @@ def compare(
     metrics
         Names of properties of `Evaluation` to compare; default all that are unbiased. With many metrics, some
         differ significantly by chance.
+    progress
+        Called with the number of policies evaluated and the total number, first with 0.
 
     Returns
     -------
@@ -92,8 +95,11 @@ def compare(
     drawn_from_model = true_classes is None and (truth is None or truth == model)
     if reference is not None:
         _check_reference(reference, model, drawn_from_model, belt_ends)
-    evaluations = {
-        name: evaluate(
+    if progress is not None:
+        progress(0, len(policies))
+    evaluations = {}
+    for done, (name, policy) in enumerate(policies.items(), start=1):
+        evaluations[name] = evaluate(
             model,
             policy,
             batches=batches,
@@ -107,8 +113,8 @@ def compare(
             reference=reference if reference is not None and reference.values_actions else None,
             belt_ends=belt_ends,
         )
-        for name, policy in policies.items()
-    }
+        if progress is not None:
+            progress(done, len(policies))
     unbiased = list(evaluations[chosen].summary())
     compared = unbiased if metrics is None else list(metrics)
     for metric in compared:

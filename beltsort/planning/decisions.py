@@ -1,11 +1,15 @@
 """Decisions: the bin that earns most, and whether a bin is right."""
 
+from collections.abc import Sequence
 from math import fsum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beltsort._core import Belief, SortingModel
+
+EQUAL = 1e-9
+"""Difference of probabilities below which classes count as equally likely."""
 
 
 def best_bin(belief: Belief, position: int = 0) -> int:
@@ -63,3 +67,39 @@ def right_bins(model: SortingModel) -> NDArray[np.bool_]:
 def probability_right(belief: Belief, bin: int, position: int = 0) -> float:
     """Return the probability that a bin is right for the object at a position."""
     return float(belief.probabilities[position][right_bins(belief.model)[bin]].sum())
+
+
+def likeliest_classes(probabilities: Sequence[float]) -> list[int]:
+    """Return the most likely class of an object, or all classes that are equally and most likely.
+
+    Examples
+    --------
+    >>> likeliest_classes([0.2, 0.5, 0.3]), likeliest_classes([0.4, 0.4, 0.2])
+    ([1], [0, 1])
+    """
+    most = max(probabilities)
+    return [label for label, p in enumerate(probabilities) if p > most - EQUAL]
+
+
+def likeliest_in_words(probabilities: Sequence[float], classes: Sequence[str]) -> str:
+    """Return the most likely class by name; where several are equally likely, all of them.
+
+    Parameters
+    ----------
+    probabilities
+        L class probabilities of an object.
+    classes
+        Names of the L classes.
+
+    Examples
+    --------
+    >>> names = ["nut", "bolt", "washer"]
+    >>> likeliest_in_words([0.2, 0.5, 0.3], names), likeliest_in_words([0.4, 0.4, 0.2], names)
+    ('bolt', 'nut or bolt')
+    >>> likeliest_in_words([1 / 3, 1 / 3, 1 / 3], names)
+    'any class'
+    """
+    found = likeliest_classes(probabilities)
+    if len(found) == len(classes) > 1:
+        return "any class"
+    return " or ".join(classes[label] for label in found)

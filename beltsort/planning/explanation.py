@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from beltsort._core import DEFAULT_TREE_DEPTH, Decide, Move, Plan, SortingModel
-from beltsort.planning.decisions import right_bins
+from beltsort.planning.decisions import likeliest_in_words, right_bins
 from beltsort.planning.plan_tree import NamedAction, TreeAction, TreeBranch, TreeNode
 
 BRANCHES = 4  # most likely branches of an action that get a line each
@@ -107,6 +107,39 @@ def tree_in_names(model: SortingModel, tree: TreeNode) -> dict[str, Any]:
     }
 
 
+def chosen_part(tree: TreeNode, action: Move | Decide) -> TreeNode:
+    """Return the part of a tree that follows an action: what `explain` puts into words.
+
+    Parameters
+    ----------
+    tree
+        From `Plan.tree`.
+    action
+        The action chosen at the root.
+
+    Returns
+    -------
+    TreeNode
+        All actions of the root with their values. The action, and the best action of each later node, keep
+        their most likely branches; other actions have none at the root, and are left out later.
+    """
+    actions: list[TreeAction] = []
+    for each in tree["actions"]:
+        branches = _likeliest(each) if _action(each["action"]) == action else []
+        actions.append({**each, "branches": branches})
+    return {**tree, "actions": actions}
+
+
+def _likeliest(action: TreeAction) -> list[TreeBranch]:
+    """Return an action's most likely branches, each followed by best actions only."""
+    return [{**branch, "node": _best_only(branch["node"])} for branch in action["branches"][:BRANCHES]]
+
+
+def _best_only(node: TreeNode) -> TreeNode:
+    best = max(node["actions"], key=lambda action: action["value"], default=None)
+    return {**node, "actions": [] if best is None else [{**best, "branches": _likeliest(best)}]}
+
+
 def _branch_lines(model: SortingModel, action: TreeAction, depth: int, indent: str = "  ") -> Iterator[str]:
     """Yield a line for each of the likeliest branches, followed by `depth` - 1 further planner steps."""
     likeliest = action["branches"][:BRANCHES]
@@ -131,8 +164,8 @@ def _branch_lines(model: SortingModel, action: TreeAction, depth: int, indent: s
 def _posterior(model: SortingModel, branch: TreeBranch) -> str:
     """Return the labels of a branch, and the most likely class at the belt end after them."""
     row = branch["node"]["belief"][0]
-    label = max(range(len(row)), key=row.__getitem__)
-    most_likely = f"{_percent(row[label])} {model.classes[label]}"
+    named, percent = likeliest_in_words(row, model.classes), _percent(max(row))
+    most_likely = f"{percent} {named}" if named in model.classes else f"{named}, {percent} each"
     names = _names(model, branch)
     if names is None:
         return f"the next object is {most_likely}"

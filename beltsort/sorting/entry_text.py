@@ -7,6 +7,7 @@ from typing import Any
 from beltsort import SortingModel
 from beltsort.cell.bins import Bin
 from beltsort.perception import Finding
+from beltsort.planning.decisions import likeliest_in_words
 from beltsort.sorting.entries import (
     Chosen,
     CommandFailed,
@@ -124,9 +125,8 @@ class EntryFormatter:
         return f"decide {self.bins[action['decide']]}"
 
     def likely(self, row: list[float]) -> str:
-        """Return the most likely class of one position and its probability."""
-        best = max(range(len(row)), key=row.__getitem__)
-        return f"{self.classes[best]} {row[best]:.2f}"
+        """Return the most likely class of one position, or classes equally likely, and its probability."""
+        return f"{likeliest_in_words(row, self.classes)} {max(row):.2f}"
 
     def _start(self, first: Started | Snapshot | Resumed) -> str:
         model = SortingModel.from_json(first.model)

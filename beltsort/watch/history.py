@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from beltsort import Belief
+from beltsort.planning.decisions import likeliest_classes
 from beltsort.sorting.audit import Step, StepReader
 from beltsort.sorting.entries import (
     Answered,
@@ -117,10 +118,9 @@ class Moment:
 
 
 def most_likely(row: Sequence[float]) -> int | None:
-    """Return the class that is likelier than every other, to two digits; None if there is none."""
-    rounded = [round(p, 2) for p in row]
-    best = max(rounded)
-    return rounded.index(best) if rounded.count(best) == 1 else None
+    """Return the class that is likelier than every other; None if there is none."""
+    found = likeliest_classes(row)
+    return found[0] if len(found) == 1 else None
 
 
 class RunHistory:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import beltsort
-from beltsort.planning.explanation import explain
+from beltsort.planning.explanation import chosen_part, explain
 
 from .running import PAPER, command, json_of, output
 
@@ -98,3 +98,22 @@ def test_without_a_certified_lower_bound(paper: beltsort.SortingModel, tmp_path:
     model = str(tmp_path / "model.json")
     assert re.search(r"Certified bounds of the optimal value: at most \d+\.\d+\.\n", output("plan", model))
     assert json_of("plan", model)["certified_lower"] is None
+
+
+def test_the_chosen_part_has_all_values_and_what_follows_the_best(paper: beltsort.SortingModel) -> None:
+    plan = planned(paper)
+    whole = plan.tree(3)
+    part = chosen_part(whole, plan.action)
+    assert [action["value"] for action in part["actions"]] == [action["value"] for action in whole["actions"]]
+    (followed,) = [action for action in part["actions"] if action["branches"]]
+    assert beltsort.Move(followed["action"]["move"]) == plan.action
+    assert 1 <= len(followed["branches"]) <= 4
+    for branch in followed["branches"]:
+        assert len(branch["node"]["actions"]) <= 1
+    assert len(list(beliefs(dict(part)))) <= 1 + 4 + 16 + 64
+
+
+def test_classes_that_are_equally_likely_are_all_named(paper: beltsort.SortingModel) -> None:
+    blind = paper.replace(p_obs=[[[[0.25] * 4] * 4] * 3] * 2)
+    text = explain(blind, beltsort.Despot(blind, trials=20).plan(beltsort.Belief(blind)))
+    assert "any class, 25 % each" in text

@@ -147,3 +147,9 @@ def test_unknown_names_are_refused(compared: Comparison) -> None:
         compared.difference("careless", "steps")
     with pytest.raises(ArgumentError, match=r"metric 'speed'.*steps, correct"):
         compared.difference("hasty", "speed")
+
+
+def test_progress_counts_policies(paper: SortingModel) -> None:
+    told: list[tuple[int, int]] = []
+    compare(paper, policies(paper), batches=2, progress=lambda done, total: told.append((done, total)))
+    assert told == [(0, 3), (1, 3), (2, 3), (3, 3)]
