@@ -1,7 +1,7 @@
 """Frames and the layout of the belt.
 
-World frame (also called belt frame): origin on the belt surface under the belt end (position 0), x along the
-belt *upstream*, z up, metres. Camera frame: the optical frame, x right, y down, z forward. A pose
+World frame (also called belt frame): origin on the belt surface under the belt end (position index 0), x
+along the belt *upstream*, z up, metres. Camera frame: the optical frame, x right, y down, z forward. A pose
 `world_from_camera` maps camera coordinates to world coordinates.
 """
 

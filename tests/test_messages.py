@@ -135,7 +135,7 @@ MESSAGES: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
     "impossible label": (
         impossible_label,
         beltsort.ImpossibleObservationError,
-        "position 0, viewpoint v: label b has probability 0 under the belief; the belief is "
+        "position 1, viewpoint v: label b has probability 0 under the belief; the belief is "
         "unchanged. Drop the label, or smooth the observation table so that no entry is 0",
     ),
     "key of a cell file": (

@@ -19,7 +19,7 @@ def test_the_papers_instance() -> None:
 def test_packaged_models_by_name(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert beltsort.models.load(name) == models.PACKAGED[name]()
     assert main(["plan", name, "--trials", "2"]) == 0
-    assert "Belief, position 0 at the belt end" in capsys.readouterr().out
+    assert "Belief, position 1 at the belt end" in capsys.readouterr().out
 
 
 def test_a_file_of_that_name_comes_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -49,7 +49,7 @@ class Belief:
     >>> belief
     Belief
       position    nut   bolt
-      0         0.200  0.800
+      1         0.200  0.800
     >>> belief.most_likely(0)
     (1, 0.8)
     """
@@ -143,7 +143,7 @@ class Belief:
         Parameters
         ----------
         position : int
-            Belt position, 0 at the belt end.
+            Index of a belt position, 0 at the belt end.
 
         Returns
         -------

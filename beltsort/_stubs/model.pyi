@@ -11,7 +11,7 @@ _Path: TypeAlias = str | PathLike[str]
 class SortingModel:
     """The sorting POMDP: sets, observation tables, rewards and travel. It does not change once made.
 
-    L classes, K viewpoints, and H belt positions that one scan sees at once, position 0 at the belt end. The
+    L classes, K viewpoints, and H belt positions that one scan sees at once, index 0 at the belt end. The
     parameters are the keys of a model file.
 
     Parameters

@@ -14,6 +14,7 @@ from beltsort.cellfile.registry import ROLES
 from beltsort.cellfile.sections import CheckLimits
 from beltsort.errors import CellError
 from beltsort.perception import Finding, PoseFault
+from beltsort.util.text import position_number
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ def _beyond(view: View, limits: CheckLimits) -> Iterator[str]:
             f"{limits.belt_height:g} (check.belt_height): correct the hand-eye transform or the belt frame"
         )
     for position, crop in enumerate(view.crops):
-        where = f"{view.viewpoint}, position {position + 1}"
+        where = f"{view.viewpoint}, position {position_number(position)}"
         if crop.inside is not None and crop.inside < limits.crop_inside:
             yield (
                 f"{where}: {crop.inside:.0%} of the crop is inside the image, expected at least "

@@ -7,6 +7,7 @@ from beltsort import BeltsortError, SortingModel
 from beltsort.cli.arguments import Subparsers, add_cell, add_json
 from beltsort.cli.exit_codes import EXCEEDED
 from beltsort.cli.output import print_cell_mode, print_json, print_status, print_table
+from beltsort.util.text import position_number
 
 if TYPE_CHECKING:
     from beltsort.cell.wrappers.recorder import Recorded
@@ -138,7 +139,7 @@ def view_rows(view: "View") -> list[tuple[str, ...]]:
     return [
         (
             *((view.viewpoint, *belt) if position == 0 else [""] * 5),
-            str(position + 1),
+            position_number(position),
             "?" if crop.inside is None else f"{crop.inside:.0%}",
             str(crop.points),
             view.findings[position] if view.findings else "?",

@@ -10,6 +10,7 @@ from beltsort.cli.labelling import SEED, SIMULATED, Labelled, labelled_scans, se
 from beltsort.cli.output import print_json, print_status
 from beltsort.sim.config import TABLE_OBJECTS
 from beltsort.util.extras import require
+from beltsort.util.text import position_number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -210,7 +211,7 @@ def show(result: "Estimate", found: "FindingCounts", expected: "Expectation", ar
     print(f"\n{independence_text(result.tests, model.viewpoints)}")
     worst = result.worst
     print(
-        f"\nThe largest standard error is {worst.error:.3f}: position {worst.position + 1}, "
+        f"\nThe largest standard error is {worst.error:.3f}: position {position_number(worst.position)}, "
         f"{model.viewpoints[worst.viewpoint]}, true {model.classes[worst.true]}, {worst.objects} objects."
     )
     if result.missing:

@@ -6,6 +6,7 @@ from beltsort._core import DEFAULT_TREE_DEPTH
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
+from beltsort.planning.display.text import belief_lines
 from beltsort.planning.explanation import action_in_words, chosen_part, explain, tree_in_names
 from beltsort.sorting.audit import (
     ObjectHistory,
@@ -17,7 +18,7 @@ from beltsort.sorting.audit import (
 )
 from beltsort.sorting.entries import Decided, Skipped
 from beltsort.sorting.entry_text import EntryFormatter
-from beltsort.util.text import counted
+from beltsort.util.text import counted, position_number
 
 EXAMPLE = "beltsort explain runs/2026-01-31T12-00-00.000000Z --object 3"
 
@@ -106,8 +107,7 @@ def show(step: Step, depth: int) -> None:
     model = step.model
     at = f"object {step.entry.object or 0} at the belt end, camera at {model.viewpoints[step.viewpoint]}"
     print(f"Step {step.number}, {step.entry.time[:19].replace('T', ' ')} UTC: {at}. Belief:")
-    rows = enumerate(step.belief.probabilities.tolist())
-    print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
+    print("\n".join(belief_lines(step.belief)))
     if step.alarms:
         print(
             f"\nAfter {step.alarms} drift alarms: belief and values are based on observation tables that no "
@@ -170,7 +170,7 @@ def show_object(history: ObjectHistory, number: int, depth: int) -> None:
         [
             str(look.step),
             model.viewpoints[look.viewpoint],
-            str(look.position),
+            position_number(look.position),
             look.finding if look.label is None else model.labels[look.label],
             *(f"{p:.3f}" for p in look.belief),
         ]

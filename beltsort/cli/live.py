@@ -17,6 +17,7 @@ from beltsort.sorting.entries import Chosen, Decided, Planned, Resumed, Skipped,
 from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.journal import Entry, Listener
 from beltsort.sorting.report import REJECTED
+from beltsort.util.text import position_number
 
 BAR, SHORTEST_BAR = 20, 5  # characters of a bar for probability 1
 LONGEST_NAME = 16  # characters of a class's name
@@ -117,7 +118,9 @@ class LiveView:
         table = Table.grid(padding=(0, GAP, 0, 0))
         for _ in range(len(columns) + 1):
             table.add_column(no_wrap=True, overflow="ellipsis")
-        table.add_row("", *("belt end" if j == 0 else f"position {j + 1}" for j in range(len(columns))))
+        table.add_row(
+            "", *("belt end" if j == 0 else f"position {position_number(j)}" for j in range(len(columns)))
+        )
         rows = max(1, self._console.height - 10)
         shown = sorted(range(len(classes)), key=lambda i: -belief[0][i])[:rows]
         for i in sorted(shown):

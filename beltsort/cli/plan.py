@@ -15,6 +15,7 @@ from beltsort.cli.arguments import (
     load_model,
 )
 from beltsort.cli.output import action_as_json, print_json, print_table
+from beltsort.planning.display.text import belief_lines
 from beltsort.planning.explanation import action_in_words, explain, tree_in_names
 from beltsort.util.naming import index_of, split_names
 
@@ -32,8 +33,8 @@ def add_parser(subparsers: Subparsers) -> None:
         action="append",
         default=[],
         metavar="P=LABEL,LABEL",
-        help="a scan: its viewpoint and a label per position, the belt end first, - where nothing was seen; "
-        "names or indices; may be repeated, in the order of the scans",
+        help="a scan: its viewpoint and a label per position, position 1 at the belt end first, - where nothing "
+        "was seen; names or indices; may be repeated, in the order of the scans",
     )
     parser.add_argument(
         "--viewpoint",
@@ -136,9 +137,8 @@ def as_json(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> 
 
 def show(model: SortingModel, belief: Belief, viewpoint: int, plan: Plan) -> None:
     """Print the plan in words."""
-    print("Belief, position 0 at the belt end:")
-    rows = enumerate(belief.probabilities.tolist())
-    print_table([["position", *model.classes], *([str(j), *(f"{p:.3f}" for p in row)] for j, row in rows)])
+    print("Belief, position 1 at the belt end:")
+    print("\n".join(belief_lines(belief)))
     print(f"\nThe camera stands at {model.viewpoints[viewpoint]}.")
     print(f"Next: {action_in_words(model, plan.action)}.")
     print("\nEstimated value of each action (expected discounted reward), and its gap to the best:")

@@ -16,6 +16,7 @@ from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.bulbs import bulb
 from beltsort.util.colours import COLOURS
 from beltsort.util.figure_style import COLUMN, column_style, empty_figure
+from beltsort.util.text import position_number
 from beltsort.viewpoints import Sampling, ViewpointMap, map_viewpoints
 from beltsort.viewpoints.arm import Arm, load_pinocchio
 from beltsort.viewpoints.robots import robot_urdf
@@ -134,5 +135,5 @@ def propagation_figure(model: SortingModel) -> "Figure":
             panel.set(xlim=(0.0, 1.2), xticks=(0.0, 0.5, 1.0))
     panels[0, 0].invert_yaxis()  # the first class on top; the axis is shared
     for j, panel in enumerate(panels[-1]):
-        panel.set_xlabel(f"belief, position {j + 1}")
+        panel.set_xlabel(f"belief, position {position_number(j)}")
     return figure

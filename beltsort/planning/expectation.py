@@ -14,7 +14,7 @@ from beltsort.planning.separation import (
     independent_looks,
     worst_separation,
 )
-from beltsort.util.text import number_or_none
+from beltsort.util.text import number_or_none, position_number
 
 BATCHES = 50
 BATCH_SIZE = 10
@@ -140,7 +140,7 @@ class Expectation:
             number = "no number of" if worst.looks is None else f"about {worst.looks:.0f} independent"
             lines.append(
                 f"Told apart worst: {' and '.join(worst.classes)}, by {number} looks from {worst.viewpoint} "
-                f"at position {worst.position + 1} ({worst.information:.3f} nats each)."
+                f"at position {position_number(worst.position)} ({worst.information:.3f} nats each)."
             )
         lines += [f"Warning: {warning}." for warning in self.warnings]
         lines += [f"What would help: {remedy}." for remedy in self.remedies]

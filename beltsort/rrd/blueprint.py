@@ -3,6 +3,8 @@
 from types import ModuleType
 from typing import Any
 
+from beltsort.util.text import position_number
+
 EYE, TARGET = (-0.75, -0.95, 0.75), (0.1, 0.0, 0.2)
 """Where the cell is looked at from, and where to, in the belt frame, metres."""
 
@@ -12,8 +14,8 @@ def arranged(rerun: ModuleType, positions: int) -> Any:
     views = rerun.blueprint
     beliefs = [
         views.TimeSeriesView(
-            origin=f"belief/position_{j + 1}",
-            name=f"belief, position {j + 1}",
+            origin=f"belief/position_{position_number(j)}",
+            name=f"belief, position {position_number(j)}",
             axis_y=views.ScalarAxis(range=(-0.02, 1.02)),
         )
         for j in range(positions)

@@ -22,6 +22,7 @@ from beltsort.sorting.entries import Chosen, Decided, Planned, Scanned, Skipped,
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.last_scan import TellsCandidate
 from beltsort.sorting.perceived import PerceivedPosition
+from beltsort.util.text import position_number
 
 APPLICATION = "beltsort"
 PATIENCE = 10.0  # seconds; longest wait for the file at the end
@@ -121,7 +122,7 @@ class Recorder:
             lines = rerun.SeriesLines(
                 colors=colours, names=list(model.classes), interpolation_mode="StepAfter"
             )
-            self._stream.log(f"belief/position_{j + 1}", lines, static=True)
+            self._stream.log(f"belief/position_{position_number(j)}", lines, static=True)
         self._stream.set_time("step", sequence=0)
         self._beliefs(self._belief)
 
@@ -168,7 +169,7 @@ class Recorder:
             points = seen.points if isinstance(seen, TellsCandidate) else None
             colour = scene.rgb(scene.GREY) if label is None else scene.class_colour(label)
             cloud = scene.candidate(rerun, points, colour)
-            self._stream.log(f"world/candidates/position_{j + 1}", cloud)
+            self._stream.log(f"world/candidates/position_{position_number(j)}", cloud)
         names = [self._seen(content, j) for j in range(len(content.labels))]
         self._stream.log("world/labels", scene.names_above(rerun, self._cell.layout, names))
 
@@ -176,7 +177,7 @@ class Recorder:
         """Record a belief, shape (H, L)."""
         self._belief = belief
         for j, row in enumerate(belief):
-            self._stream.log(f"belief/position_{j + 1}", self._rerun.Scalars(row))
+            self._stream.log(f"belief/position_{position_number(j)}", self._rerun.Scalars(row))
 
     def _advanced(self) -> None:
         """Record what is believed after the belt has advanced: a new object is at the last position."""

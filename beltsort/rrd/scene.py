@@ -9,6 +9,7 @@ import numpy as np
 from beltsort.cell.protocols import Cell, KnowsPoses, Scan
 from beltsort.geometry import BeltLayout, Points, Pose, transform
 from beltsort.util.colours import COLOURS
+from beltsort.util.text import position_number
 
 Logged = tuple[str, list[Any]]
 """Path of an entity, and its archetypes."""
@@ -61,7 +62,10 @@ def _belt(rerun: ModuleType, layout: BeltLayout) -> Iterator[Logged]:
     ring = np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)]) * layout.rim_radius
     for j in range(layout.positions):
         rim = layout.centre(j) + ring + np.array([0.0, 0.0, layout.rim_height])
-        yield f"world/belt/rim_{j + 1}", [rerun.LineStrips3D([rim], radii=LINE, colors=rgb(GREY))]
+        yield (
+            f"world/belt/rim_{position_number(j)}",
+            [rerun.LineStrips3D([rim], radii=LINE, colors=rgb(GREY))],
+        )
 
 
 def _circle(radius: float, elevation: float) -> Points:

@@ -205,7 +205,7 @@ class Look:
     step
         The planner step of the scan.
     viewpoint, position
-        Where the camera was, and the object: position 0 is the belt end.
+        Indices of where the camera was, and of the object's position: 0 is the belt end.
     label
         Index of the label, or None if the object got none.
     finding

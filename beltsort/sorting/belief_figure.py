@@ -17,6 +17,7 @@ from beltsort.sorting.journal import Entry
 from beltsort.util.colours import COLOURS, MARKERS
 from beltsort.util.extras import extra
 from beltsort.util.figure_style import COLUMN, DPI, column_style, empty_figure
+from beltsort.util.text import position_number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -157,7 +158,7 @@ def belief_figure(entries: list[Entry], true_classes: Sequence[str] | None = Non
                 rows = [belief[j, i] for belief in now.beliefs]
                 label = name if n == 0 else None
                 panel.plot(steps, rows, label=label, markersize=2.5, linewidth=0.8, **look)
-        panel.set(ylim=(-0.04, 1.04), yticks=(0.0, 0.5, 1.0), ylabel=f"belief, position {j + 1}")
+        panel.set(ylim=(-0.04, 1.04), yticks=(0.0, 0.5, 1.0), ylabel=f"belief, position {position_number(j)}")
         panel.set_xlim(-0.7, found[-1].last + 0.7)
         panel.grid(alpha=0.3, axis="y")
         for n, now in enumerate(found):

@@ -27,7 +27,7 @@ from beltsort.sorting.entries import (
     StateChanged,
 )
 from beltsort.sorting.journal import Entry
-from beltsort.util.text import counted
+from beltsort.util.text import counted, position_number
 
 EXCEPTION = re.compile(r"""\w+\((['"].*['"])\)""", re.DOTALL)
 """`repr` of an exception with a message."""
@@ -169,7 +169,7 @@ class EntryFormatter:
     def _drift(self, alarm: Drifted) -> str:
         where = ""
         if alarm.viewpoint is not None and alarm.position is not None:
-            where = f" at position {alarm.position + 1} from {self.viewpoints[alarm.viewpoint]}"
+            where = f" at position {position_number(alarm.position)} from {self.viewpoints[alarm.viewpoint]}"
         return f"warning: labels{where} no longer fit the observation tables; estimate the tables again"
 
     def _decision(self, decided: Decided) -> str:

@@ -20,7 +20,7 @@ from beltsort.tables.intervals import (
 from beltsort.tables.modes import ModeTables
 from beltsort.tables.pooling import pooled_prior
 from beltsort.tables.scans import LabelledScan, looks
-from beltsort.util.text import number_or_none
+from beltsort.util.text import number_or_none, position_number
 
 SIGNIFICANT = 0.05  # after Holm's correction
 
@@ -66,7 +66,7 @@ class Estimate:
 
     def _warning(self, test: IndependenceTest) -> str:
         """Return a sentence on an assumption that a test rejects."""
-        where = " and ".join(str(j + 1) for j in test.positions)
+        where = " and ".join(position_number(j) for j in test.positions)
         details = f"p = {test.p:.4f}, {test.scans} scans"
         view = self.model.viewpoints[test.viewpoint]
         if test.assumption == REPEAT:

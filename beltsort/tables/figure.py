@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from beltsort.tables.counts import Array, Counts
 from beltsort.tables.intervals import credible_intervals
 from beltsort.util.extras import extra
+from beltsort.util.text import position_number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,7 +53,9 @@ def draw_tables(
     for j in range(positions):
         for k in range(columns):
             image = _draw_panel(panels[j, k], mean[j, k], lower[j, k], upper[j, k])
-            _name_axes(panels[j, k], classes, labels or classes, f"position {j + 1}, {viewpoints[k]}")
+            _name_axes(
+                panels[j, k], classes, labels or classes, f"position {position_number(j)}, {viewpoints[k]}"
+            )
     figure.colorbar(image, ax=panels, label="p(observed | true)", shrink=0.8)
     figure.savefig(path, dpi=120)
 

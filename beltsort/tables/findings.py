@@ -10,7 +10,7 @@ from beltsort.errors import RecordingError
 from beltsort.perception.finding import Finding
 from beltsort.perception.pose_fault import PoseFault
 from beltsort.tables.scans import LabelledScan
-from beltsort.util.text import text_table
+from beltsort.util.text import position_number, text_table
 
 LABEL = "label"
 NO_LABEL = "no label"
@@ -103,7 +103,9 @@ class FindingCounts:
                 if all_looks >= FEWEST_LOOKS and 2 * self.counts[*where, what] > all_looks
             }
             if usual:
-                places = ", ".join(f"position {j + 1} from {self.viewpoints[k]}" for j, k in usual)
+                places = ", ".join(
+                    f"position {position_number(j)} from {self.viewpoints[k]}" for j, k in usual
+                )
                 total = sum(looks[where] for where in usual)
                 yield f"{sum(usual.values())} of {total} looks at objects found '{what}' ({places}): {remedy}"
 

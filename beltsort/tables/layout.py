@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from beltsort.tables.counts import Array, Counts
 from beltsort.tables.independence import IndependenceTest
 from beltsort.tables.intervals import credible_intervals
+from beltsort.util.text import position_number
 
 
 def table_one(
@@ -61,7 +62,11 @@ def table_two(
         Names of the Z labels; default: the classes.
     """
     positions = range(len(p_obs))
-    header = ["true", "view", *(f"{name} @{j + 1}" for j in positions for name in labels or classes)]
+    header = [
+        "true",
+        "view",
+        *(f"{name} @{position_number(j)}" for j in positions for name in labels or classes),
+    ]
     rows = [
         [classes[true], name, *(cell for j in positions for cell in map("{:.3f}".format, p_obs[j, k, true]))]
         for true in (range(len(classes)) if trues is None else trues)
@@ -77,7 +82,7 @@ def agreement_text(counts: Counts, viewpoints: Sequence[str]) -> str:
     missed = counts.missed.sum(axis=-1)
     rows = [
         [
-            str(j + 1), name, f"{accuracy[j, k]:.3f}", f"{rate[j, k]:.3f} +- {error[j, k]:.3f}",
+            position_number(j), name, f"{accuracy[j, k]:.3f}", f"{rate[j, k]:.3f} +- {error[j, k]:.3f}",
             f"{chance[j, k]:.3f}", f"{repeat[j, k]:.3f}", str(missed[j, k]),
         ]
         for j in range(len(rate))
@@ -98,7 +103,7 @@ def intervals_text(
     lower, upper = credible_intervals(counts, smoothing)
     rows = [
         [
-            str(j + 1), classes[true], name,
+            position_number(j), classes[true], name,
             *(f"{a:.3f}-{b:.3f}" for a, b in zip(lower[j, k, true], upper[j, k, true], strict=True)),
         ]
         for j in range(len(lower))
@@ -113,7 +118,7 @@ def independence_text(tests: Sequence[IndependenceTest], viewpoints: Sequence[st
     rows = [
         [
             test.assumption, viewpoints[test.viewpoint],
-            ", ".join(str(j + 1) for j in test.positions), str(test.scans),
+            ", ".join(position_number(j) for j in test.positions), str(test.scans),
             f"{test.excess:+.3f}", f"{test.p:.4f}",
         ]
         for test in tests

@@ -33,3 +33,16 @@ def counted(number: int, noun: str) -> str:
     ('1 look', '2 looks')
     """
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def position_number(index: int) -> str:
+    """Return the number of a belt position as people read it.
+
+    They count positions from 1, the belt end. In Python and in files an index of a position counts from 0.
+
+    Examples
+    --------
+    >>> f"position {position_number(0)} is the belt end"
+    'position 1 is the belt end'
+    """
+    return str(index + 1)

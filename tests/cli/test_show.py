@@ -102,7 +102,7 @@ def test_explain_an_object(sorted_run: tuple[Path, SortingReport]) -> None:
     assert why["belief"][0] == pytest.approx(told["looks"][-1]["belief"])
     assert why["same_again"] is True
     text = output("explain", str(folder), "--object", str(decision.object))
-    assert len(re.findall(r"^ +\d+ +p\d +[01] ", text, re.MULTILINE)) == len(told["looks"])
+    assert len(re.findall(r"^ +\d+ +p\d +[12] ", text, re.MULTILINE)) == len(told["looks"])
     assert f"Decided after {decision.looks} looks: {told['outcome']['decided']}, right with" in text
     assert re.search(r"Deciding \w+ now is right with \d+ % and worth", text)
 

@@ -231,7 +231,7 @@ CASES: dict[str, Case] = {
     "impossible label": (
         lambda: Belief(SortingModel(["a", "b"], ["v"], [[[[1, 0], [1, 0]]]])).observe(0, [1]),
         ImpossibleObservationError,
-        ["position", "0", "viewpoint", "v", "label", "b"],
+        ["position 1", "viewpoint", "v", "label", "b"],
     ),
     "belief shape": (
         lambda: Belief(MODEL, [[0.5, 0.5]]),

@@ -99,14 +99,14 @@ def test_impossible_label_leaves_the_belief_unchanged(paper: SortingModel) -> No
     before = belief.probabilities
     with pytest.raises(ImpossibleObservationError) as raised:
         belief.observe(0, [2, 1])
-    assert re.search("position 0.*p1.*mushroom", str(raised.value))
+    assert re.search("position 1.*p1.*mushroom", str(raised.value))
     assert np.array_equal(belief.probabilities, before)
 
 
 def test_an_impossible_label_behind_a_possible_one_changes_nothing(paper: SortingModel) -> None:
     belief = Belief(paper, np.array([UNKNOWN, CERTAIN]))
     before = belief.probabilities
-    with pytest.raises(ImpossibleObservationError, match=r"position 1.*p3.*standard"):
+    with pytest.raises(ImpossibleObservationError, match=r"position 2.*p3.*standard"):
         belief.observe(2, [0, 3])
     assert np.array_equal(belief.probabilities, before)
 
@@ -174,8 +174,8 @@ def test_a_belief_is_rebuilt_from_its_record() -> None:
     assert again == belief
     assert again != Belief(model, belief.probabilities)
     assert repr(again).splitlines()[-2:] == [
-        "  last labels of position 0: c1 from v1",
-        "  last labels of position 1: c2 from v1",
+        "  last labels of position 1: c1 from v1",
+        "  last labels of position 2: c2 from v1",
     ]
     again.observe(1, [1, 1])
     assert again != belief

@@ -103,14 +103,14 @@ def test_beliefs_are_tables_with_names(paper: SortingModel) -> None:
     assert repr(belief).splitlines() == [
         "Belief, 1 object left",
         "  position  elongated  livarno  mushroom  standard",
-        "  0             0.100    0.200     0.300     0.400",
-        "  1             0.250    0.250     0.250     0.250",
+        "  1             0.100    0.200     0.300     0.400",
+        "  2             0.250    0.250     0.250     0.250",
     ]
     assert shown(belief)[:6] == ["Belief, 1 object left", "position", *paper.classes]
     repeating = Belief(paper.replace(repeat=0.5))
     repeating.observe("p2", ["mushroom", None])
-    assert repr(repeating).endswith("\n  last labels of position 0: mushroom from p2")
-    assert shown(repeating)[-7:] == ["last label from", "p1", "p2", "p3", "0", "mushroom", "1"]
+    assert repr(repeating).endswith("\n  last labels of position 1: mushroom from p2")
+    assert shown(repeating)[-7:] == ["last label from", "p1", "p2", "p3", "1", "mushroom", "2"]
 
 
 def test_beliefs_of_many_classes_show_the_likeliest() -> None:
@@ -118,7 +118,7 @@ def test_beliefs_of_many_classes_show_the_likeliest() -> None:
     row = np.full(30, 0.5 / 28)
     row[[7, 9]] = 0.3, 0.2
     assert repr(Belief(model, [row, row])).splitlines()[1] == (
-        "  position 0  c7 0.300, c9 0.200, c0 0.018, c1 0.018, ..."
+        "  position 1  c7 0.300, c9 0.200, c0 0.018, c1 0.018, ..."
     )
 
 

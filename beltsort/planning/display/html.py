@@ -18,6 +18,7 @@ from beltsort.planning.bins import Estimate
 from beltsort.planning.display.facts import Policy, certified, facts, objects_left, settings_of, sizes
 from beltsort.planning.display.tables import box, table
 from beltsort.planning.explanation import action_in_words
+from beltsort.util.text import position_number
 
 MOST_ACTIONS = 12  # of a plan that are shown, the best first
 
@@ -36,12 +37,15 @@ def _(model: SortingModel) -> str:
 @html.register
 def _(belief: Belief) -> str:
     model, probabilities = belief.model, belief.probabilities.tolist()
-    rows = [[str(j), *(f"{p:.3f}" for p in row)] for j, row in enumerate(probabilities)]
+    rows = [[position_number(j), *(f"{p:.3f}" for p in row)] for j, row in enumerate(probabilities)]
     left = "" if belief.remaining is None else f", {objects_left(belief.remaining)}"
     parts = [table(rows, header=["position", *model.classes], shades=probabilities)]
     last = belief.last_labels.tolist()
     if any(label >= 0 for row in last for label in row):
-        names = [[str(j), *("" if z < 0 else model.labels[z] for z in row)] for j, row in enumerate(last)]
+        names = [
+            [position_number(j), *("" if z < 0 else model.labels[z] for z in row)]
+            for j, row in enumerate(last)
+        ]
         parts.append(table(names, header=["last label from", *model.viewpoints], numbers=False))
     return box(f"Belief{left}", *parts)
 

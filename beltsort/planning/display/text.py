@@ -17,7 +17,7 @@ from beltsort._core import (
 from beltsort.planning.bins import Estimate
 from beltsort.planning.display.facts import Policy, certified, facts, objects_left, settings_of, sizes
 from beltsort.planning.explanation import action_in_words
-from beltsort.util.text import text_table
+from beltsort.util.text import position_number, text_table
 
 WIDEST = 100  # characters of a row of probabilities
 LIKELIEST = 4  # classes of a position, where a row of all is wider
@@ -45,7 +45,7 @@ def _(model: SortingModel) -> str:
 @text.register
 def _(belief: Belief) -> str:
     left = "" if belief.remaining is None else f", {objects_left(belief.remaining)}"
-    return "\n".join([f"Belief{left}", *_probabilities(belief), *_last_labels(belief)])
+    return "\n".join([f"Belief{left}", *belief_lines(belief), *_last_labels(belief)])
 
 
 @text.register
@@ -87,17 +87,20 @@ def _aligned(rows: list[tuple[str, str]]) -> list[str]:
     return [f"  {name.ljust(width)}  {what}" for name, what in rows]
 
 
-def _probabilities(belief: Belief) -> list[str]:
+def belief_lines(belief: Belief) -> list[str]:
     """Return a row of probabilities per position, or its likeliest classes where a row is too wide."""
     classes, probabilities = belief.model.classes, belief.probabilities
-    numbers = [[str(j), *(f"{p:.3f}" for p in row)] for j, row in enumerate(probabilities)]
+    numbers = [[position_number(j), *(f"{p:.3f}" for p in row)] for j, row in enumerate(probabilities)]
     table = text_table([["position", *classes], *numbers]).splitlines()
     if len(table[0]) <= WIDEST:
         return table
     likeliest = (-probabilities).argsort(axis=1, kind="stable")[:, :LIKELIEST]
     return _aligned(
         [
-            (f"position {j}", ", ".join(f"{classes[c]} {probabilities[j, c]:.3f}" for c in row) + ", ...")
+            (
+                f"position {position_number(j)}",
+                ", ".join(f"{classes[c]} {probabilities[j, c]:.3f}" for c in row) + ", ...",
+            )
             for j, row in enumerate(likeliest.tolist())
         ]
     )
@@ -113,5 +116,5 @@ def _last_labels(belief: Belief) -> list[str]:
             if label >= 0
         ]
         if seen:
-            lines.append(f"  last labels of position {j}: {', '.join(seen)}")
+            lines.append(f"  last labels of position {position_number(j)}: {', '.join(seen)}")
     return lines

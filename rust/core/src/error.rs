@@ -13,11 +13,12 @@ pub enum Error {
     Argument(String),
     /// A label with probability zero under the belief; the belief is left unchanged.
     #[error(
-        "position {position}, viewpoint {viewpoint}: label {label} has probability 0 under the belief; \
-         the belief is unchanged. Drop the label, or smooth the observation table so that no entry is 0"
+        "position {number}, viewpoint {viewpoint}: label {label} has probability 0 under the belief; \
+         the belief is unchanged. Drop the label, or smooth the observation table so that no entry is 0",
+        number = .position.number()
     )]
     ImpossibleObservation {
-        /// Belt position, 0 at the belt end.
+        /// Belt position; the message has its number.
         position: Position,
         /// Name of the viewpoint.
         viewpoint: String,

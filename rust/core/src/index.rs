@@ -34,3 +34,11 @@ indices! {
     /// `z`: what one look at an object yields.
     Label;
 }
+
+impl Position {
+    /// The number that people read: they count positions from 1, the belt end.
+    #[must_use]
+    pub fn number(self) -> usize {
+        self.0 + 1
+    }
+}

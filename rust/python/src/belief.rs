@@ -55,7 +55,7 @@ use crate::names::Named;
 /// >>> belief
 /// Belief
 ///   position    nut   bolt
-///   0         0.200  0.800
+///   1         0.200  0.800
 /// >>> belief.most_likely(0)
 /// (1, 0.8)
 #[pyclass(eq, name = "Belief", module = "beltsort", from_py_object)]
@@ -226,7 +226,7 @@ impl PyBelief {
     /// Parameters
     /// ----------
     /// position : int
-    ///     Belt position, 0 at the belt end.
+    ///     Index of a belt position, 0 at the belt end.
     ///
     /// Returns
     /// -------

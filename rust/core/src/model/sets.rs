@@ -111,7 +111,8 @@ impl SortingModel {
         if position.0 < self.position_count() {
             return Ok(());
         }
-        argument_error(format!("position {position} is out of range: 0 to {}", self.position_count() - 1))
+        let last = self.position_count() - 1;
+        argument_error(format!("index {position} of a position is out of range: 0, the belt end, to {last}"))
     }
 
     /// Check that a viewpoint exists.
