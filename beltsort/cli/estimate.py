@@ -9,6 +9,7 @@ from beltsort.cli.arguments import Subparsers, add_json, check_writable
 from beltsort.cli.labelling import SEED, SIMULATED, Labelled, labelled_scans, several_modes
 from beltsort.cli.output import print_json, print_status
 from beltsort.sim.config import TABLE_OBJECTS
+from beltsort.util.defaults import TARGET_ERROR
 from beltsort.util.extras import require
 from beltsort.util.text import position_number
 
@@ -68,7 +69,11 @@ def add_parser(subparsers: Subparsers) -> None:
         "themselves suggest)",
     )
     parser.add_argument(
-        "--error", type=float, default=0.03, metavar="E", help="target standard error (default: 0.03)"
+        "--error",
+        type=float,
+        default=TARGET_ERROR,
+        metavar="E",
+        help="target standard error (default: %(default)s)",
     )
     parser.add_argument(
         "--repeats", action="store_true", help="estimate the model's key `repeat` from repeated looks"

@@ -33,8 +33,8 @@ def add_parser(subparsers: Subparsers) -> None:
         action="append",
         default=[],
         metavar="P=LABEL,LABEL",
-        help="a scan: its viewpoint and a label per position, position 1 at the belt end first, - where nothing "
-        "was seen; names or indices; may be repeated, in the order of the scans",
+        help="a scan: its viewpoint and a label per position, position 1 at the belt end first, - where "
+        "nothing was seen; names or indices; may be repeated, in the order of the scans",
     )
     parser.add_argument(
         "--viewpoint",

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from beltsort._core import DEFAULT_MAX_LOOKS, MAX_IMPOSSIBLE_LABELS
+from beltsort.util.defaults import FALSE_ALARM
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class Drift:
         If `false_alarm` is not between 0 and 1.
     """
 
-    false_alarm: float = 0.01
+    false_alarm: float = FALSE_ALARM
     hold: bool = False
 
     def __post_init__(self) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import beltsort
+from beltsort.util.defaults import UNIFORM_PRIOR
 
 Integers = NDArray[np.int64]
 Array = NDArray[np.float64]
@@ -132,7 +133,7 @@ class Counts:
         classes: Sequence[str],
         viewpoints: Sequence[str],
         *,
-        smoothing: float | Array = 1.0,
+        smoothing: float | Array = UNIFORM_PRIOR,
         repeats: bool = False,
         **settings: Any,
     ) -> "beltsort.SortingModel":
@@ -171,7 +172,7 @@ def check_smoothing(smoothing: float | Array, labels: int) -> None:
     if wrong.size:
         raise beltsort.ArgumentError(
             f"smoothing is {wrong.flat[0]}, expected a positive number, not infinite: zeros in a table make "
-            "beliefs irrevocable; 1 is a uniform prior"
+            f"beliefs irrevocable; {UNIFORM_PRIOR:g} is a uniform prior"
         )
 
 

@@ -35,6 +35,7 @@ import numpy as np
 
 import beltsort
 from beltsort.tables.counts import Array
+from beltsort.util.defaults import FALSE_ALARM
 from beltsort.util.text import number_or_none
 
 NOISE = 0.2  # lambda; from 0.1 to 0.5 the delays differ little
@@ -47,7 +48,7 @@ def check_false_alarm(false_alarm: float) -> None:
     """Raise an `ArgumentError` unless `false_alarm` is between 0 and 1."""
     if not 0.0 < false_alarm < 1.0:
         raise beltsort.ArgumentError(
-            f"false_alarm is {false_alarm}, expected a probability between 0 and 1, such as 0.01"
+            f"false_alarm is {false_alarm}, expected a probability between 0 and 1, such as {FALSE_ALARM:g}"
         )
 
 
@@ -138,7 +139,7 @@ class DriftWatch:
     11
     """
 
-    def __init__(self, model: "beltsort.SortingModel", *, false_alarm: float = 0.01) -> None:
+    def __init__(self, model: "beltsort.SortingModel", *, false_alarm: float = FALSE_ALARM) -> None:
         check_false_alarm(false_alarm)
         self.model, self.false_alarm = model, false_alarm
         self.alarms: list[Alarm] = []

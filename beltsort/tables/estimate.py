@@ -20,6 +20,7 @@ from beltsort.tables.intervals import (
 from beltsort.tables.modes import ModeTables
 from beltsort.tables.pooling import pooled_prior
 from beltsort.tables.scans import LabelledScan, looks
+from beltsort.util.defaults import TARGET_ERROR
 from beltsort.util.text import number_or_none, position_number
 
 SIGNIFICANT = 0.05  # after Holm's correction
@@ -118,7 +119,7 @@ def estimate(
     *,
     smoothing: float | Array | None = None,
     repeats: bool = False,
-    error: float = 0.03,
+    error: float = TARGET_ERROR,
     note: str = "",
     rule: LabelRule | None = None,
     modes: ModeTables | None = None,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import beltsort
 from beltsort.tables.counts import Array, Counts
+from beltsort.util.defaults import TARGET_ERROR
 from beltsort.util.extras import extra
 
 with extra("perception"):
@@ -111,5 +112,6 @@ def check_error(wanted: float) -> None:
     """Raise an `ArgumentError` unless `wanted` is between 0 and 1."""
     if not 0.0 < wanted < 1.0:
         raise beltsort.ArgumentError(
-            f"the wanted standard error is {wanted}, expected a number between 0 and 1, such as 0.03"
+            f"the wanted standard error is {wanted}, expected a number between 0 and 1, such as "
+            f"{TARGET_ERROR:g}"
         )

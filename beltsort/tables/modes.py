@@ -15,6 +15,7 @@ from beltsort.tables.counts import check_smoothing
 from beltsort.tables.expectation import Mixture, Problem
 from beltsort.tables.intervals import dirichlet_intervals
 from beltsort.tables.repeated_looks import NONE, Array, Integers, RepeatedLooks
+from beltsort.util.defaults import UNIFORM_PRIOR
 from beltsort.util.extras import extra
 from beltsort.util.randomness import generator
 
@@ -52,7 +53,7 @@ class ModeSettings:
         If a number is out of range.
     """
 
-    smoothing: float | Array = 1.0
+    smoothing: float | Array = UNIFORM_PRIOR
     pseudo_looks: float = 8.0
     position_looks: float = 200.0
     pseudo_objects: float = 1.0

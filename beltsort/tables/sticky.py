@@ -28,6 +28,7 @@ import numpy as np
 from beltsort.tables.counts import check_smoothing
 from beltsort.tables.modes import ModeTables
 from beltsort.tables.repeated_looks import Array, RepeatedLooks
+from beltsort.util.defaults import UNIFORM_PRIOR
 from beltsort.util.extras import extra
 
 with extra("perception"):
@@ -102,7 +103,7 @@ class StickyLabels:
         )
 
 
-def fit_sticky_labels(looks: RepeatedLooks, smoothing: float | Array = 1.0) -> StickyLabels:
+def fit_sticky_labels(looks: RepeatedLooks, smoothing: float | Array = UNIFORM_PRIOR) -> StickyLabels:
     """Fit both probabilities by maximum likelihood, with the classes' tables as `fit_modes` has them.
 
     Parameters
