@@ -1,8 +1,11 @@
 """Look-up of names, with suggestions for unknown ones."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from inspect import signature
+from operator import attrgetter
 
+from beltsort import _core
 from beltsort._core import ArgumentError
 
 
@@ -61,3 +64,23 @@ def nearest_name(text: str, names: Iterable[str]) -> str:
     """Return the name that is most similar to a text."""
     (nearest,) = get_close_matches(text, list(names), n=1, cutoff=0.0)
     return nearest
+
+
+def unknown_keyword(owner: str, unknown: Mapping[str, object]) -> str:
+    """Return a message on a keyword that a function or a constructor of the extension does not have.
+
+    Parameters
+    ----------
+    owner
+        Its name in `beltsort._core`.
+    unknown
+        The keywords that it does not have, at least one; the first is named.
+
+    Examples
+    --------
+    >>> unknown_keyword("Threshold", {"tresh": 0.9})
+    "Threshold has no parameter 'tresh'; did you mean 'threshold'? Known: model, threshold, viewpoint"
+    """
+    parameters = [name for name in signature(attrgetter(owner)(_core)).parameters if name != "self"]
+    keyword = next(iter(unknown))
+    return f"{owner} has no parameter {keyword!r}; {nearest_of(keyword, parameters)}"

@@ -6,11 +6,12 @@ use beltsort_core::{Belief, Class, Position, SortingModel, Viewpoint};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyDict, PyType};
 
 use crate::convert::{Whole, index, labels_or_none, rows};
 use crate::display::displayed;
 use crate::errors::{ArgumentError, to_python};
+use crate::keywords;
 use crate::model::PySortingModel;
 use crate::names::Named;
 
@@ -91,13 +92,16 @@ impl PyBelief {
 #[pymethods]
 impl PyBelief {
     #[new]
-    #[pyo3(signature = (model, probabilities=None, last_labels=None, remaining=None))]
+    #[pyo3(signature = (model, probabilities=None, last_labels=None, remaining=None, **unknown),
+           text_signature = "(model, probabilities=None, last_labels=None, remaining=None)")]
     fn new(
         model: &PySortingModel,
         probabilities: Option<&Bound<'_, PyAny>>,
         last_labels: Option<&Bound<'_, PyAny>>,
         remaining: Option<Whole>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        keywords::refuse(unknown, "Belief")?;
         let mut belief = match probabilities {
             None => Belief::new(&model.0),
             Some(value) => {

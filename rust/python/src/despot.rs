@@ -18,6 +18,7 @@ use crate::convert::{self, Whole, count};
 use crate::display::{displayed, immutable};
 use crate::errors::{ArgumentError, to_python};
 use crate::interrupt::interruptible;
+use crate::keywords;
 use crate::model::PySortingModel;
 use crate::names::Named;
 use crate::plan::PyPlan;
@@ -195,7 +196,9 @@ impl PyDespot {
 impl PyDespot {
     #[new]
     #[pyo3(signature = (model, *, scenarios=DEFAULT_SCENARIOS as Whole, seed=0, threads=None, seconds=None, trials=None,
-                        regularization=None, depth=None, solution=None, variant="beliefs"))]
+                        regularization=None, depth=None, solution=None, variant="beliefs", **unknown),
+           text_signature = "(model, *, scenarios=..., seed=0, threads=None, seconds=None, trials=None, \
+                             regularization=None, depth=None, solution=None, variant='beliefs')")]
     #[allow(clippy::too_many_arguments)] // the public contract
     fn new(
         py: Python<'_>,
@@ -209,7 +212,9 @@ impl PyDespot {
         depth: Option<Whole>,
         solution: Option<&PySolution>,
         variant: &str,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        keywords::refuse(unknown, "Despot")?;
         let config = DespotConfig {
             scenarios: count("scenarios", scenarios)?,
             seed: convert::seed(seed)?,
@@ -262,7 +267,7 @@ impl PyDespot {
     /// ------
     /// ArgumentError
     ///     For a belief of another model, an unknown viewpoint, both budgets, or one of 0 or below.
-    #[pyo3(signature = (belief, viewpoint=Named::Index(0), *, seconds=None, trials=None),
+    #[pyo3(signature = (belief, viewpoint=Named::Index(0), *, seconds=None, trials=None, **unknown),
            text_signature = "($self, belief, viewpoint=0, *, seconds=None, trials=None)")]
     fn plan(
         &self,
@@ -271,7 +276,9 @@ impl PyDespot {
         viewpoint: Named,
         seconds: Option<f64>,
         trials: Option<Whole>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyPlan> {
+        keywords::refuse(unknown, "Despot.plan")?;
         belief.check_is_of(&self.model)?;
         let budget = budget(seconds, trials)?.unwrap_or(self.budget);
         let plan = self.search(py, &belief.belief, viewpoint.viewpoint(&self.model)?, budget)?;
@@ -297,7 +304,7 @@ impl PyDespot {
     /// ArgumentError
     ///     For a belief of another model or an unknown viewpoint.
     fn act(&self, py: Python<'_>, belief: PyBelief, viewpoint: Named) -> PyResult<Py<PyAny>> {
-        let plan = self.plan(py, belief, viewpoint, None, None)?;
+        let plan = self.plan(py, belief, viewpoint, None, None, None)?;
         actions::to_python(py, plan.plan.action)
     }
 

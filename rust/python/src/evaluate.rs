@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use beltsort_core as core;
 use beltsort_core::{EvaluationConfig, Policy, SortingModel, TrueClasses};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use rayon::ThreadPool;
 
 use crate::budget::thread_pool;
@@ -14,6 +15,7 @@ use crate::despot::PyDespot;
 use crate::errors::{ArgumentError, to_python};
 use crate::evaluation::PyEvaluation;
 use crate::interrupt::{Stoppable, interruptible};
+use crate::keywords;
 use crate::look_ahead::PyLookAhead;
 use crate::model::PySortingModel;
 use crate::names::{Named, rows_of_classes};
@@ -89,7 +91,8 @@ use crate::user_policy::UserPolicy;
 #[pyfunction]
 #[pyo3(signature = (model, policy, *, batches=core::DEFAULT_BATCHES as Whole,
                     batch_size=core::DEFAULT_BATCH_SIZE as Whole, seed=0, threads=None, viewpoint=Named::Index(0),
-                    true_classes=None, truth=None, max_looks=core::DEFAULT_MAX_LOOKS as Whole, reference=None, belt_ends=false),
+                    true_classes=None, truth=None, max_looks=core::DEFAULT_MAX_LOOKS as Whole, reference=None, belt_ends=false,
+                    **unknown),
        text_signature = "(model, policy, *, batches=..., batch_size=..., seed=0, threads=None, viewpoint=0, \
                          true_classes=None, truth=None, max_looks=..., reference=None, belt_ends=False)")]
 #[allow(clippy::too_many_arguments)] // the public contract
@@ -107,7 +110,9 @@ pub fn evaluate(
     max_looks: Whole,
     reference: Option<&PySolution>,
     belt_ends: bool,
+    unknown: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<PyEvaluation> {
+    keywords::refuse(unknown, "evaluate")?;
     let config = EvaluationConfig {
         batches: count("batches", batches)?,
         batch_size: count("batch_size", batch_size)?,

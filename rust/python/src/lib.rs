@@ -15,6 +15,7 @@ mod errors;
 mod evaluate;
 mod evaluation;
 mod interrupt;
+mod keywords;
 mod look_ahead;
 mod lzf;
 mod model;

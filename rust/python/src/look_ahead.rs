@@ -12,6 +12,7 @@ use crate::convert::{self, Whole, count};
 use crate::display::{displayed, immutable};
 use crate::errors::to_python;
 use crate::interrupt::interruptible;
+use crate::keywords;
 use crate::model::PySortingModel;
 use crate::names::Named;
 use crate::policies::act;
@@ -57,14 +58,18 @@ pub struct PyLookAhead {
 #[pymethods]
 impl PyLookAhead {
     #[new]
-    #[pyo3(signature = (model, depth=DEFAULT_LOOK_AHEAD_DEPTH as Whole, *, scenarios=DEFAULT_SCENARIOS as Whole, seed=0))]
+    #[pyo3(signature = (model, depth=DEFAULT_LOOK_AHEAD_DEPTH as Whole, *, scenarios=DEFAULT_SCENARIOS as Whole, seed=0,
+                        **unknown),
+           text_signature = "(model, depth=..., *, scenarios=..., seed=0)")]
     fn new(
         py: Python<'_>,
         model: &PySortingModel,
         depth: Whole,
         scenarios: Whole,
         seed: Whole,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        keywords::refuse(unknown, "LookAhead")?;
         let (depth, scenarios) = (count("depth", depth)?, count("scenarios", scenarios)?);
         let config = DespotConfig { scenarios, seed: convert::seed(seed)?, ..DespotConfig::default() };
         let stop = AtomicBool::new(false);

@@ -12,6 +12,7 @@ use pyo3::types::PyDict;
 use crate::convert::{self, Given, Whole, count, scalar_or_matrix, tables};
 use crate::display::{displayed, immutable};
 use crate::errors::{ModelError, to_python};
+use crate::keywords;
 
 #[doc = include_str!("model.txt")]
 /// Examples
@@ -41,7 +42,12 @@ impl PySortingModel {
     #[new]
     #[pyo3(signature = (classes, viewpoints, p_obs, *, labels=None, bins=None, reward=None, modes=None,
                         r_max=None, r_min=None, motion_cost=None, discount=Given::Right(DEFAULT_DISCOUNT), arrival=None, travel=None, observe_after_decision=Given::Right(false), repeat=None,
-                        information_gain=Given::Right(0.0), empty=None, label_rule=None, counts=None, smoothing=None, note=Given::Right(String::new())))]
+                        information_gain=Given::Right(0.0), empty=None, label_rule=None, counts=None, smoothing=None, note=Given::Right(String::new()),
+                        **unknown),
+           text_signature = "(classes, viewpoints, p_obs, *, labels=None, bins=None, reward=None, modes=None, r_max=None, \
+                             r_min=None, motion_cost=None, discount=..., arrival=None, travel=None, \
+                             observe_after_decision=..., repeat=None, information_gain=..., empty=None, label_rule=None, \
+                             counts=None, smoothing=None, note=...)")]
     #[allow(clippy::too_many_arguments)] // the keys of a model file
     fn new(
         classes: Given<Vec<String>>,
@@ -65,7 +71,9 @@ impl PySortingModel {
         counts: Option<&Bound<'_, PyAny>>,
         smoothing: Option<&Bound<'_, PyAny>>,
         note: Given<String>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        keywords::refuse(unknown, "SortingModel")?;
         let mut spec =
             ModelSpec::new(classes.of("classes")?, viewpoints.of("viewpoints")?, tables("p_obs", p_obs)?);
         let (r_max, r_min) = (optional("r_max", r_max)?, optional("r_min", r_min)?);

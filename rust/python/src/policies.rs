@@ -11,6 +11,7 @@ use crate::belief::PyBelief;
 use crate::convert::{Whole, count};
 use crate::display::{displayed, immutable};
 use crate::errors::{ArgumentError, to_python};
+use crate::keywords;
 use crate::model::PySortingModel;
 use crate::names::Named;
 
@@ -57,8 +58,14 @@ pub struct PyThreshold {
 #[pymethods]
 impl PyThreshold {
     #[new]
-    #[pyo3(signature = (model, threshold, viewpoint=None))]
-    fn new(model: &PySortingModel, threshold: f64, viewpoint: Option<Named>) -> PyResult<Self> {
+    #[pyo3(signature = (model, threshold, viewpoint=None, **unknown), text_signature = "(model, threshold, viewpoint=None)")]
+    fn new(
+        model: &PySortingModel,
+        threshold: f64,
+        viewpoint: Option<Named>,
+        unknown: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        keywords::refuse(unknown, "Threshold")?;
         let viewpoint = viewpoint.map(|viewpoint| viewpoint.viewpoint(&model.0)).transpose()?;
         let policy = Threshold::new(&model.0, threshold, viewpoint).map_err(to_python)?;
         let viewpoint = viewpoint.map(|viewpoint| viewpoint.0);
@@ -148,8 +155,16 @@ pub struct PyInformationGain {
 #[pymethods]
 impl PyInformationGain {
     #[new]
-    #[pyo3(signature = (model, threshold, positions=DEFAULT_INFORMATION_POSITIONS as Whole, *, about="class"))]
-    fn new(model: &PySortingModel, threshold: f64, positions: Whole, about: &str) -> PyResult<Self> {
+    #[pyo3(signature = (model, threshold, positions=DEFAULT_INFORMATION_POSITIONS as Whole, *, about="class", **unknown),
+           text_signature = "(model, threshold, positions=..., *, about='class')")]
+    fn new(
+        model: &PySortingModel,
+        threshold: f64,
+        positions: Whole,
+        about: &str,
+        unknown: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        keywords::refuse(unknown, "InformationGain")?;
         let positions = count("positions", positions)?;
         let question = match about {
             "class" => Question::Class,

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use beltsort_core::{DEFAULT_SOLVE_SECONDS, Policy, Solution, SortingModel};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::actions;
 use crate::belief::PyBelief;
@@ -14,6 +14,7 @@ use crate::budget::time;
 use crate::display::{displayed, immutable};
 use crate::errors::to_python;
 use crate::interrupt::interruptible_by;
+use crate::keywords;
 use crate::model::PySortingModel;
 use crate::names::Named;
 
@@ -250,14 +251,17 @@ immutable!(PySolution);
 /// >>> f"{solution.lower:.2f} {solution.upper:.2f}"
 /// '15.77 15.77'
 #[pyfunction]
-#[pyo3(signature = (model, *, seconds=DEFAULT_SOLVE_SECONDS, progress=None, stop=None))]
+#[pyo3(signature = (model, *, seconds=DEFAULT_SOLVE_SECONDS, progress=None, stop=None, **unknown),
+       text_signature = "(model, *, seconds=..., progress=None, stop=None)")]
 pub fn solve(
     py: Python<'_>,
     model: &PySortingModel,
     seconds: f64,
     progress: Option<Py<PyAny>>,
     stop: Option<Py<PyAny>>,
+    unknown: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<PySolution> {
+    keywords::refuse(unknown, "solve")?;
     let time = time(seconds)?;
     let asked = stop;
     let stop = AtomicBool::new(false);
