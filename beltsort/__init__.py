@@ -5,6 +5,8 @@ beltsort plans where to look next and when to decide. Based on Mezei, Tamás & B
 conveyor belt using active perception with a POMDP model", ECC 2019.
 """
 
+from logging import NullHandler, getLogger
+
 from beltsort import models
 from beltsort._core import (
     ArgumentError,
@@ -31,6 +33,9 @@ from beltsort._core import (
 from beltsort.planning.compare import compare
 from beltsort.planning.comparison import Comparison
 from beltsort.planning.policy import Policy
+
+# Records go nowhere unless an application configures logging; `beltsort run --log` does.
+getLogger(__name__).addHandler(NullHandler())
 
 __all__ = [
     "ArgumentError",

@@ -8,6 +8,7 @@ from pathlib import Path
 from beltsort import SortingModel
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import NOWHERE, Homing, KnowsClasses, Restorable, TellsPosition
+from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.check import CellCheck, ask_health
 from beltsort.cellfile.composed import ComposedCell, compose
@@ -185,6 +186,7 @@ def open_run(
     progress: StageProgress | None = None,
     resume: Path | None = None,
     first: int | None = None,
+    called: Callable[[Recorded], None] = lambda _recorded: None,
 ) -> CellRun:
     """Create the devices, and load or prepare model and classifier.
 
@@ -205,6 +207,8 @@ def open_run(
         Folder of an interrupted or held run to resume.
     first
         Number of the object at the belt end as given by an operator; the belt of a new run is homed to it.
+    called
+        Called with every call of a device, after it has been recorded.
 
     Raises
     ------
@@ -221,8 +225,12 @@ def open_run(
         description = with_bins_of(model, description)
     calls = CallLog(runs / run_name() if resume is None else resume)
 
+    def record(recorded: Recorded) -> None:
+        calls(recorded)
+        called(recorded)
+
     devices: list[object] = []
-    cell = compose(description, live=live, say=say, record=calls, made=devices.append)
+    cell = compose(description, live=live, say=say, record=record, made=devices.append)
     if resume is not None and bool(cell.dry_run) != resume.name.endswith(DRY_RUN):
         kind, remedy = ("a dry run", "without") if resume.name.endswith(DRY_RUN) else ("a live run", "with")
         raise CellError(f"{resume} is {kind}, expected to be resumed as it began: resume it {remedy} --live")

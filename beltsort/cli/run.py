@@ -10,6 +10,7 @@ from beltsort import ArgumentError, BeltsortError
 from beltsort.cell.commands import SortInto
 from beltsort.cli.arguments import Subparsers, add_cell, add_json, add_rrd
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
+from beltsort.cli.monitoring import Monitoring, add_monitoring, monitoring, monitoring_words
 from beltsort.cli.output import print_cell_mode, print_json, print_recording, print_status
 from beltsort.cli.progress import stage_progress
 from beltsort.planning.named_policy import HELP, located_policy
@@ -70,12 +71,19 @@ def add_parser(subparsers: Subparsers) -> None:
         help="let `beltsort watch RUN --control` hold the run between two steps, and continue it",
     )
     add_rrd(parser)
+    add_monitoring(parser)
     add_json(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: Namespace) -> int:
     """Run the command."""
+    with monitoring(arguments) as watching:
+        return sort(arguments, watching)
+
+
+def sort(arguments: Namespace, watching: Monitoring) -> int:
+    """Sort, print the result and return the exit code."""
     from beltsort.cellfile.results import as_json
     from beltsort.cellfile.run import open_run, true_class_of
     from beltsort.cli.console import RunConsole, discard
@@ -99,11 +107,13 @@ def run(arguments: Namespace) -> int:
             progress=stage,
             resume=arguments.resume,
             first=arguments.first_object,
+            called=watching.called,
         )
+    watching.opened(opened)
     print_cell_mode(console, description, opened.cell)
     if arguments.allow_hold:
-        watching = shlex.join(["beltsort", "watch", str(opened.folder), "--control"])
-        console.print(f"to hold and continue the run: {watching}")
+        command = shlex.join(["beltsort", "watch", str(opened.folder), "--control"])
+        console.print(f"to hold and continue the run: {command}")
     true_class = true_class_of(opened.devices)
     recorder = (
         None
@@ -115,7 +125,7 @@ def run(arguments: Namespace) -> int:
         try:
             with counted_warnings():
                 report = opened.sort(
-                    *(listener, operator, interrupts.check),
+                    *((*watching.listeners, listener), operator, interrupts.check),
                     allow_hold=arguments.allow_hold,
                     recorder=recorder,
                 )
@@ -220,6 +230,7 @@ def resume_command(arguments: Namespace, opened: "CellRun") -> list[str]:
     """Return the command line that resumes the run, or starts it if it has no journal yet."""
     words = ["beltsort", "run", arguments.cell, *(["--live"] if arguments.live else [])]
     words += ["--allow-hold"] if arguments.allow_hold else []
+    words += monitoring_words(arguments)
     if arguments.objects is not None:
         words += ["--objects", str(arguments.objects)]
     if arguments.policy is not None:

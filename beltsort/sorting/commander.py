@@ -6,6 +6,7 @@ before every command and after every advance, so that no object is sorted in pla
 docs/recovery.md show the same.
 """
 
+import logging
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -40,6 +41,8 @@ from beltsort.sorting.holds import (
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.rules import Rules
+
+log = logging.getLogger(__name__)
 
 Result = TypeVar("Result")
 
@@ -307,7 +310,9 @@ class Commander:
     def _wait(self, delays: list[float], reason: str) -> None:
         """Wait before the next attempt; after the last delay, hold the run and start again."""
         if delays:
-            time.sleep(delays.pop(0))
+            delay = delays.pop(0)
+            log.warning("again in %g s: %s", delay, reason)
+            time.sleep(delay)
         else:
             self._hold(Hold(self._progress.pending, reason))
             delays.extend(self._rules.retry_delays)

@@ -73,7 +73,12 @@ class EntryFormatter:
         self._pose_faults: set[str] = set()
 
     def format(self, entry: Entry) -> str | None:
-        """Return the line of an entry, or None for an entry that is not shown."""
+        """Return the line of an entry with the number of its object, or None if it is not shown."""
+        text = self.text(entry)
+        return text if text is None or entry.object is None else f"object {entry.object:>2}  {text}"
+
+    def text(self, entry: Entry) -> str | None:
+        """Return the text of an entry, or None for an entry that is not shown."""
         match entry.content:
             case Started() | Snapshot() | Resumed() as first if not self.classes:
                 text = self._start(first)
@@ -102,7 +107,7 @@ class EntryFormatter:
                 text = self._skip()
             case _:
                 return None
-        return text if entry.object is None else f"object {entry.object:>2}  {text}"
+        return text
 
     def why(self, plan: Planned | Chosen) -> str:
         """Return the values of the plan's best and second-best action, or the reason given by a rule."""

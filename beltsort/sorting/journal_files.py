@@ -120,6 +120,15 @@ def full_files(path: Path) -> list[Path]:
     return sorted(path.parent.glob(f"{path.stem}-[0-9][0-9][0-9][0-9]{path.suffix}"))
 
 
+def journal_bytes(folder: Path) -> int:
+    """Return the size of the files of a run's journal, bytes."""
+    size = 0
+    for file in folder.glob(f"{Path(JOURNAL).stem}*"):
+        with suppress(OSError):  # dropped meanwhile
+            size += file.stat().st_size
+    return size
+
+
 def next_full_file(path: Path) -> Path:
     """Return the path for the next full file beside the one being written."""
     full = full_files(path)

@@ -38,7 +38,7 @@ class FieldbusDevice:
     def __init__(
         self, connect: Connect, address: str, answer_timeout: float, clock: Callable[[], float]
     ) -> None:
-        self._link = ReconnectingLink(connect, answer_timeout)
+        self._link = ReconnectingLink(connect, answer_timeout, address)
         self.address = address
         self._name = f"the controller at {address}"
         self._clock = clock

@@ -1,5 +1,6 @@
 """A link to a controller that reconnects after a failure or a timeout."""
 
+import logging
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -10,6 +11,8 @@ from beltsort.cell.commands import within
 from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.fieldbus.link import Conversation, Link, RequestBody
 from beltsort.drivers.fieldbus.wire import Reply
+
+log = logging.getLogger(__name__)
 
 Connect: TypeAlias = Callable[[float], Link]
 """Opens a connection; the argument is the timeout of each call of the fieldbus library, seconds."""
@@ -33,11 +36,13 @@ class ReconnectingLink:
         Opens a connection.
     answer_timeout
         Timeout of the acknowledgement of a request, seconds.
+    name
+        Name of the other end in the log.
     """
 
-    def __init__(self, connect: Connect, answer_timeout: float) -> None:
+    def __init__(self, connect: Connect, answer_timeout: float, name: str = "the controller") -> None:
         self._connect = connect
-        self._answer_timeout = answer_timeout
+        self._answer_timeout, self._name = answer_timeout, name
         self._lock = Lock()
         self._conversation: Conversation | None = None
         self._sent: int | None = None
@@ -59,10 +64,13 @@ class ReconnectingLink:
         try:
             if self._conversation is None:
                 self._conversation = self._connected(min(HANDSHAKE * self._answer_timeout, _left(deadline)))
+                log.info("connected to %s", self._name)
             conversation = self._conversation
             seconds = min(self._answer_timeout, _left(deadline))
             return within(seconds, "the answer", lambda: conversation.ask(body, seconds))
-        except BaseException:
+        except BaseException as failure:
+            if self._conversation is not None:
+                log.warning("lost the connection to %s (%r); the next request opens one", self._name, failure)
             self._close_connection()
             raise
         finally:
