@@ -32,6 +32,7 @@ from beltsort.cli import (
     export,
     home,
     info,
+    migrate,
     plan,
     prepare,
     reproduce,
@@ -49,7 +50,7 @@ from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.sorting.interrupts import Interrupted
 
 GROUPS = {
-    "sort": (demo, run, example, check, home, show, watch, explain, backup),
+    "sort": (demo, run, example, check, home, show, watch, explain, backup, migrate),
     "plan": (plan, evaluate, compare, sweep, solve, export, info),
     "perceive": (train, classify, estimate, prepare, viewpoints, calibrate_belt, calibrate_check),
     "paper": (reproduce,),
