@@ -23,12 +23,13 @@ from beltsort.errors import JournalError, JournalNotWrittenError
 from beltsort.sorting.entries import AnyContent, Snapshot, Started, Unheard
 from beltsort.sorting.entry_format import content_of, plain
 from beltsort.sorting.journal_files import (
-    VERSION,
     copied,
+    first_kind,
     full_files,
     next_full_file,
     open_journal,
     open_to_read,
+    rows_of,
     transaction,
 )
 
@@ -74,7 +75,7 @@ Listeners = Listener | Sequence[Listener | None] | None
 """One listener, several, or none."""
 
 WHOLE = (Started.kind, Snapshot.kind)
-"""Kinds of entries before which nothing needs to be known."""
+"""Kinds of entries before which nothing needs to be known to go on."""
 
 
 class Journal:
@@ -156,7 +157,7 @@ class Journal:
     @property
     def whole(self) -> bool:
         """Whether the file being written can be read without those before it."""
-        return _first_kind(self._database) in WHOLE
+        return first_kind(self._database) in WHOLE
 
     def rotate(self, snapshot: Snapshot) -> None:
         """Copy the entries to a numbered file, begin anew with a snapshot, and drop the oldest files.
@@ -254,6 +255,24 @@ def entries_after(path: Path, number: int) -> list[Entry]:
     return [*entries, *(entry for entry in newest if entry.number > latest)]
 
 
+def newest_entries(path: Path) -> list[Entry]:
+    """Return the entries from the last start or snapshot on that begins a file; see `read_journal`."""
+    kinds = rows_of(path, "SELECT kind FROM entries ORDER BY number LIMIT 1") if path.is_file() else []
+    return _read_file(path, 0) if kinds and kinds[0][0] in WHOLE else read_journal(path)
+
+
+def entries_before(path: Path, number: int, kinds: Sequence[str]) -> Iterator[Entry]:
+    """Yield the entries of some kinds before entry `number` in the full files; see `read_journal`."""
+    known = ", ".join("?" * len(kinds))
+    query = f"SELECT * FROM entries WHERE number > ? AND number < ? AND kind IN ({known}) ORDER BY number"
+    last = 0
+    for file in full_files(path):
+        for row in rows_of(file, query, last, number, *kinds):
+            entry = _entry(file, *row)
+            last = entry.number
+            yield entry
+
+
 def listeners_of(listeners: Listeners) -> tuple[Listener, ...]:
     """Return listeners as a tuple."""
     if listeners is None:
@@ -280,44 +299,20 @@ def _last_row(path: Path) -> tuple[int, int | None]:
     if not _files(path):
         raise _missing(path)
     for file in reversed(_files(path)):
-        if rows := _rows(file, "SELECT number, object FROM entries ORDER BY number DESC LIMIT 1"):
+        if rows := rows_of(file, "SELECT number, object FROM entries ORDER BY number DESC LIMIT 1"):
             return int(rows[0][0]), rows[0][1]
     raise _empty(path)
 
 
-def _first_kind(database: sqlite3.Connection) -> str | None:
-    row = database.execute("SELECT kind FROM entries ORDER BY number LIMIT 1").fetchone()
-    return None if row is None else str(row[0])
-
-
 def _reads_alone(file: Path) -> bool:
-    """Whether a file can be read without those before it."""
+    """Whether a full file can be read without those before it."""
     with closing(open_to_read(file)) as database:
-        return _first_kind(database) in WHOLE
+        return first_kind(database) in WHOLE
 
 
 def _read_file(file: Path, after: int) -> list[Entry]:
-    rows = _rows(file, "SELECT * FROM entries WHERE number > ? ORDER BY number", after)
+    rows = rows_of(file, "SELECT * FROM entries WHERE number > ? ORDER BY number", after)
     return [_entry(file, *row) for row in rows]
-
-
-def _rows(file: Path, query: str, *values: int) -> list[Any]:
-    """Return the rows of a query; none of a file whose table was not made before a kill."""
-    try:
-        with closing(open_to_read(file)) as database:
-            (version,) = database.execute("PRAGMA user_version").fetchone()
-            if version == 0 and database.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
-                return []
-            if version != VERSION:
-                raise JournalError(_other_version(file, int(version)))
-            return database.execute(query, values).fetchall()
-    except (sqlite3.Error, ValueError) as reason:
-        raise JournalError(f"{file} cannot be read as a journal: {reason}") from reason
-
-
-def _other_version(file: Path, version: int) -> str:
-    remedy = f": `beltsort migrate {file.parent}` makes one of it" if version == 1 else ""
-    return f"{file} is no journal of version {VERSION} (found {version}){remedy}"
 
 
 def _entry(file: Path, number: int, time: str, kind: str, index: int | None, data: str) -> Entry:

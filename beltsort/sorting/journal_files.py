@@ -6,7 +6,9 @@ import warnings
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
+from beltsort.errors import JournalError
 from beltsort.util.filesystems import file_system_of, on_network
 
 JOURNAL = "journal.sqlite"
@@ -87,6 +89,37 @@ def open_to_read(file: Path) -> sqlite3.Connection:
     elif _is_filled(file.with_name(f"{file.name}-journal")):
         options = "mode=rw"
     return sqlite3.connect(f"{file.absolute().as_uri()}?{options}", uri=True, timeout=BUSY_SECONDS)
+
+
+def first_kind(database: sqlite3.Connection) -> str | None:
+    """Return the kind of the first entry; None if there are none."""
+    row = database.execute("SELECT kind FROM entries ORDER BY number LIMIT 1").fetchone()
+    return None if row is None else str(row[0])
+
+
+def rows_of(file: Path, query: str, *values: int | str) -> list[Any]:
+    """Return the rows of a query; none of a file whose table was not made before a kill.
+
+    Raises
+    ------
+    JournalError
+        If the file is damaged, or no journal of this version.
+    """
+    try:
+        with closing(open_to_read(file)) as database:
+            (version,) = database.execute("PRAGMA user_version").fetchone()
+            if version == 0 and database.execute("SELECT count(*) FROM sqlite_schema").fetchone() == (0,):
+                return []
+            if version != VERSION:
+                raise JournalError(_other_version(file, int(version)))
+            return database.execute(query, values).fetchall()
+    except (sqlite3.Error, ValueError) as reason:
+        raise JournalError(f"{file} cannot be read as a journal: {reason}") from reason
+
+
+def _other_version(file: Path, version: int) -> str:
+    remedy = f": `beltsort migrate {file.parent}` makes one of it" if version == 1 else ""
+    return f"{file} is no journal of version {VERSION} (found {version}){remedy}"
 
 
 def copied(database: sqlite3.Connection, copy: Path) -> None:

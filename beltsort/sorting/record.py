@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import Self
 
-from beltsort.sorting.entries import AnyContent
-from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.entries import AnyContent, Decided, Skipped
+from beltsort.sorting.journal import Entry, Journal, entries_before, newest_entries
 from beltsort.sorting.progress import Progress
+from beltsort.sorting.report import Decision
 
 
 class Record:
@@ -49,9 +50,24 @@ class Record:
 def progress_in(path: Path) -> Progress:
     """Return the state of the run after the last entry of a journal.
 
+    Of a journal of several files, the newest one has the state; of the others, which may be many times as
+    long, only the decisions and the empty cups are read.
+
     Raises
     ------
     JournalError
         If the journal is missing or damaged, or begins with neither a start nor a snapshot.
     """
-    return Progress.after(read_journal(path))
+    entries = newest_entries(path)
+    progress = Progress.after(entries)
+    earlier = entries_before(path, entries[0].number, (Decided.kind, Skipped.kind))
+    decisions, skipped, passed = [], [], set(progress.passed)
+    for entry in earlier:
+        match entry.object, entry.content:
+            case int(index), Decided() as decided if index not in passed:
+                found = Decision(index, decided.label, decided.belief, decided.looks, decided.forced)
+                decisions.append(found)
+            case int(index), Skipped():
+                skipped.append(index)
+    progress.decisions[:0], progress.skipped[:0] = decisions, skipped
+    return progress

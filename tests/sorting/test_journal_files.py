@@ -1,6 +1,7 @@
 """Files of a journal: rotation beside readers and kills, network disks."""
 
 import sqlite3
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,9 +12,12 @@ from beltsort.models import paper
 from beltsort.sorting.entries import Ended, ScanUnusable
 from beltsort.sorting.journal import Entry, Journal, entries_after, read_journal
 from beltsort.sorting.journal_files import JOURNAL, NetworkDiskWarning, full_files
+from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record, progress_in
 from beltsort.util import filesystems
 from beltsort.util.filesystems import file_system_of, on_network
+from tests.sorting.scripted_cell import EMPTY, Glimpse, LookOnce, ScriptedCell, scripted
 from tests.sorting.test_journal import RESUME, SNAPSHOT, START
 
 DARK = ScanUnusable("dark")
@@ -197,3 +201,23 @@ def test_a_rollback_journal_that_a_kill_left_is_rolled_back_by_readers(
     path.write_bytes(whole)
     path.with_name(f"{JOURNAL}-journal").write_bytes(log)
     assert numbers(read_journal(path)) == [1]
+
+
+def test_the_state_of_a_long_run_is_read_from_its_newest_file(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is the state that all entries give; decisions and empty cups of the other files are there."""
+    model = paper()
+    seen: list[Sequence[Glimpse] | str] = [[1, 2], [EMPTY, 2], [EMPTY, 2], *[[2, 3]] * 50]
+    with Journal(path, largest=12_000, keep=99) as journal:
+        sort_objects(ScriptedCell(model), scripted(seen), LookOnce(), model, journal, objects=12)
+    assert len(full_files(path)) >= 3
+    whole, progress = Progress.after(read_journal(path)), progress_in(path)
+    assert progress.decisions == whole.decisions
+    assert progress.skipped == whole.skipped == [1]
+    assert progress.snapshot() == whole.snapshot()
+    assert progress.taken == whole.taken
+    read: list[str] = []
+    monkeypatch.setattr("beltsort.sorting.journal.read_journal", lambda path: read.append(str(path)))
+    progress_in(path)
+    assert read == []

@@ -52,7 +52,7 @@ SKIPPED = [
     ("skip", {"viewpoints": [1]}),
     *command("advance", 6, index=2),
 ]
-INTERRUPTED = [
+INTERRUPTED: list[tuple[str, dict[str, Any]]] = [
     ("plan", {"action": {"decide": 2}}),
     ("intent", {"command_id": "sort-7", "command": "sort", "label": 2}),
     ("outcome", {"command_id": "sort-7", "done": False, "error": "KeyboardInterrupt()"}),
