@@ -32,7 +32,10 @@ from beltsort.sorting.entry_text import EntryFormatter, in_words
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.progress import Progress
 
-log = logging.getLogger(__name__)
+LOGGER = "beltsort.run"
+"""Name of the logger of a run's entries."""
+
+log = logging.getLogger(LOGGER)
 
 DONE = "done"
 """The reason with which a run ends after its last object."""
@@ -145,7 +148,7 @@ def _text_of(content: AnyContent) -> str:
         case ObjectsPassed(index):
             return f"the operator says: objects passed unsorted, object {index} is at the belt end"
         case StateChanged(state, reason):
-            return f"{state.lower()}: {in_words(reason)}"
+            return f"state {state}: {in_words(reason)}"
         case Requested(action, by):
             return f"{by} asked to {action}"
         case Unheard(error):

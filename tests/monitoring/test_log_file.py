@@ -59,9 +59,9 @@ def test_debug_has_every_entry_as_text(tmp_path: Path) -> None:
         run_of(tmp_path, log)
     lines = (tmp_path / "run.log").read_text().splitlines()
     assert all(LINE.match(line) for line in lines)
-    entries = [line for line in lines if " beltsort.monitoring.entry_logger: " in line]
+    entries = [line for line in lines if " beltsort.run: " in line]
     assert len(entries) == len(read_journal(tmp_path / JOURNAL))
-    assert any("step=1 object=0 beltsort.monitoring.entry_logger: chosen move 1" in line for line in entries)
+    assert any("step=1 object=0 beltsort.run: chosen move 1" in line for line in entries)
 
 
 def test_a_resumed_run_counts_on(tmp_path: Path) -> None:
