@@ -40,13 +40,14 @@ class SimulatedOptions:
     seed
         Seed of the classes, of the objects' shapes and poses, and of the noise.
     meshes
-        Mesh files by class, instead of the built-in shapes; relative paths are relative to the cell file.
+        Mesh files by class, one or several, instead of the built-in shapes; relative paths are relative to
+        the cell file.
     """
 
     true_labels: tuple[str, ...] = ()
     draw_from: tuple[str, ...] = ()
     seed: NonNegativeInt = 0
-    meshes: Mapping[str, str] = field(default_factory=dict)
+    meshes: Mapping[str, str | tuple[str, ...]] = field(default_factory=dict)
 
 
 def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
@@ -78,13 +79,22 @@ def trainable_config(cell: CellDescription) -> CellConfig:
     CellFileError
         If a device is not simulated.
     """
-    others = [role for role in ROLES if cell.device(role).backend != NAME]
-    if others:
+    if others := not_simulated(cell):
         raise CellFileError.of(
             "prepare",
             f"is given, but {', '.join(others)} is not {NAME}, expected all four devices to be: name model "
             "and classifier, trained on scans of the real cell",
         )
+    return config_of_cell(cell)
+
+
+def not_simulated(cell: CellDescription) -> list[str]:
+    """Return which devices are not simulated."""
+    return [role for role in ROLES if cell.device(role).backend != NAME]
+
+
+def config_of_cell(cell: CellDescription) -> CellConfig:
+    """Return the configuration of a cell file of which all devices are simulated; raises as `config_of`."""
     return config_of(cell, validated(SimulatedOptions, cell.options_of("arm")))
 
 
@@ -100,8 +110,13 @@ def config_of(cell: CellDescription, options: SimulatedOptions) -> CellConfig:
         classes=cell.classes,
         viewpoints=tuple(_on_sphere(viewpoint) for viewpoint in cell.viewpoints),
         layout=cell.layout,
-        meshes={name: str(cell.path(file)) for name, file in options.meshes.items()},
+        meshes={name: _located(cell, files) for name, files in options.meshes.items()},
     )
+
+
+def _located(cell: CellDescription, files: str | tuple[str, ...]) -> str | tuple[str, ...]:
+    """Return paths relative to the cell file's folder as those of this process."""
+    return str(cell.path(files)) if isinstance(files, str) else tuple(str(cell.path(file)) for file in files)
 
 
 def _on_sphere(viewpoint: Viewpoint) -> SphereViewpoint:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_json, check_writable
-from beltsort.cli.labelling import SEED, SIMULATED, Labelled, labelled_scans, several_modes
+from beltsort.cli.labelling import SEED, Labelled, labelled_scans, several_modes
 from beltsort.cli.output import print_json, print_status
+from beltsort.cli.table_source import SIMULATED
 from beltsort.sim.config import TABLE_OBJECTS
 from beltsort.util.defaults import TARGET_ERROR
 from beltsort.util.extras import require
@@ -25,10 +26,11 @@ if TYPE_CHECKING:
 MOST_MODES = 8
 FIGURES = (".png", ".svg", ".pdf")
 DESCRIPTION = """
-Estimate observation tables from scans of the simulated cell, or from a folder of recorded scans
-(`beltsort.tables.recording` describes its format). Labels are stored beside the model as they are computed:
-the same command resumes after an interruption, and more --objects or more recorded scans add to them. The
-exit code is 2 if no object gets a label, for example because the poses are wrong.
+Estimate observation tables from scans of a simulated cell, or from a folder of recorded scans
+(`beltsort.tables.recording` describes its format). With --meshes, the classes are the meshes of a folder, as
+for `beltsort train`. Labels are stored beside the model as they are computed: the same command resumes after
+an interruption, and more --objects or more recorded scans add to them. The exit code is 2 if no object gets a
+label, for example because the poses are wrong.
 """
 
 EXAMPLE = "beltsort estimate simulated -o model.json --objects 200"
@@ -39,7 +41,18 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "estimate", help="estimate observation tables from scans", description=DESCRIPTION
     )
-    parser.add_argument("cell", metavar="CELL", help=f"`{SIMULATED}`, or a folder of recorded scans")
+    parser.add_argument(
+        "cell",
+        metavar="CELL",
+        help=f"`{SIMULATED}`, the cell file of a simulated cell (.toml), a folder of recorded scans, or with "
+        "--meshes a folder of meshes",
+    )
+    parser.add_argument(
+        "--meshes",
+        action="store_true",
+        help="CELL contains meshes (PLY, STL, OBJ, OFF, glTF; metres, axis along z), which are scanned in "
+        "the simulated cell; the class is the sub-folder's name, or that of a mesh outside of one",
+    )
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="MODEL", help="where to write the model (JSON)"
     )
@@ -47,19 +60,20 @@ def add_parser(subparsers: Subparsers) -> None:
         "--classifier",
         metavar="DB",
         help="a trained classifier, or MODULE:OBJECT, one of your own; if its results change, name another "
-        f"output (default for `{SIMULATED}`: one is trained and saved beside the model)",
+        "output (default for a simulated cell: its cell file's, otherwise one is trained and saved beside "
+        "the model)",
     )
     parser.add_argument(
-        "--record", type=Path, metavar="FOLDER", help=f"record the scans of `{SIMULATED}` here, 7 MB each"
+        "--record", type=Path, metavar="FOLDER", help="record the scans of a simulated cell here, 7 MB each"
     )
     parser.add_argument(
         "--objects",
         type=int,
         metavar="N",
-        help=f"objects per row of `{SIMULATED}` (default: {TABLE_OBJECTS}; with --modes rounded up to whole "
-        "passages of objects past the camera)",
+        help=f"objects per row, of a simulated cell (default: {TABLE_OBJECTS}; with --modes rounded up to "
+        "whole passages of objects past the camera)",
     )
-    parser.add_argument("--seed", type=int, metavar="N", help=f"seed of `{SIMULATED}` (default: {SEED})")
+    parser.add_argument("--seed", type=int, metavar="N", help=f"seed of a simulated cell (default: {SEED})")
     parser.add_argument(
         "--smoothing",
         type=float,
@@ -91,7 +105,7 @@ def add_parser(subparsers: Subparsers) -> None:
         metavar="N",
         help=f"modes of each class, 1 to {MOST_MODES}, by which looks at one object depend on each other, or "
         "`auto`: chosen by the log-loss of held-out objects; needs three looks or more at each object, which "
-        f"`{SIMULATED}` then takes (default: 1)",
+        "a simulated cell then takes (default: 1)",
     )
     parser.add_argument("--figure", type=Path, metavar="PNG", help="draw the tables")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")

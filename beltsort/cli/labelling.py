@@ -1,7 +1,5 @@
 """Labels of the scans that `beltsort estimate` is given, and the logs beside its model."""
 
-import hashlib
-import json
 import warnings
 from argparse import Namespace
 from dataclasses import asdict
@@ -11,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 from beltsort import ArgumentError
 from beltsort.cli.output import print_status
 from beltsort.cli.progress import tenths
+from beltsort.cli.table_source import SIMULATED, SimulatedSource, digest, fingerprint, source_of
 from beltsort.sim.config import TABLE_OBJECTS
 from beltsort.util.keyed_log import KeyedLog
 
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from beltsort.tables.recording import Recording
     from beltsort.tables.scans import LabelledScan
 
-SIMULATED = "simulated"
 SEED = 0
 
 
@@ -59,26 +57,29 @@ def labelled_scans(arguments: Namespace) -> Labelled:
 
 def label_cell(arguments: Namespace) -> Labelled:
     """Label the scans of the cell."""
-    if arguments.cell != SIMULATED:
+    source = source_of(arguments)
+    if isinstance(source, Path):
         from beltsort.tables.recording import read_recording
 
         check_recorded(arguments)
-        return from_recording(read_recording(Path(arguments.cell)), classifier(arguments), arguments)
+        return from_recording(read_recording(source), load(arguments), arguments)
+    train_if_missing(source, arguments)
     objects = TABLE_OBJECTS if arguments.objects is None else arguments.objects
     seed = SEED if arguments.seed is None else arguments.seed
     if arguments.record is None:
-        return from_simulation(classifier(arguments), arguments, objects, seed)
+        return from_simulation(load(arguments), source, arguments, objects, seed)
     from beltsort.sim.record import record_simulated
 
     recording = record_simulated(
         arguments.record,
+        source.config,
         objects=objects,
         seed=seed,
         passages=several_modes(arguments),
         workers=arguments.workers,
         progress=tenths("recording"),
     )
-    return from_recording(recording, classifier(arguments), arguments)
+    return from_recording(recording, load(arguments), arguments)
 
 
 def several_modes(arguments: Namespace) -> bool:
@@ -101,17 +102,21 @@ def check_recorded(arguments: Namespace) -> None:
         )
 
 
-def classifier(arguments: Namespace) -> "Classifier":
-    """Return the given classifier, or one for the simulated cell that is trained once and saved."""
-    from beltsort.perception import load_classifier
-    from beltsort.sim.collect import collect_training
-
+def train_if_missing(source: SimulatedSource, arguments: Namespace) -> None:
+    """Make sure that a classifier is given: the cell file's, or one that is trained once and saved."""
+    if arguments.classifier is None:
+        arguments.classifier = source.classifier
     name = classifier_name(arguments)
     if arguments.classifier is None and not Path(name).exists():
-        database = collect_training(workers=arguments.workers, progress=tenths("training"))
-        database.save(name)
+        source.train().save(name)
         print_status(f"classifier: {name}")
-    return load_classifier(name)
+
+
+def load(arguments: Namespace) -> "Classifier":
+    """Load the classifier."""
+    from beltsort.perception import load_classifier
+
+    return load_classifier(classifier_name(arguments))
 
 
 def classifier_name(arguments: Namespace) -> str:
@@ -119,13 +124,14 @@ def classifier_name(arguments: Namespace) -> str:
     return arguments.classifier or str(arguments.output.with_suffix(".classifier.npz"))
 
 
-def from_simulation(database: "Classifier", arguments: Namespace, objects: int, seed: int) -> Labelled:
-    """Label scans of the simulated cell."""
-    from beltsort.sim import CellConfig
+def from_simulation(
+    database: "Classifier", source: SimulatedSource, arguments: Namespace, objects: int, seed: int
+) -> Labelled:
+    """Label scans of a simulated cell."""
     from beltsort.sim.collect import collect_matches, collect_scans
 
-    config = CellConfig()
-    settings = {"cell": SIMULATED, "seed": str(seed), "config": fingerprint(asdict(config))}
+    config = source.config
+    settings = {"cell": SIMULATED, "seed": str(seed), "config": source.fingerprint()}
     given = {
         "objects": objects,
         "seed": seed,
@@ -231,13 +237,3 @@ def classifier_settings(arguments: Namespace) -> dict[str, str]:
     """Return what a log is known to belong to: a database's content, or the name of another classifier."""
     name = classifier_name(arguments)
     return {"classifier": digest(Path(name).read_bytes() if Path(name).exists() else name.encode())}
-
-
-def fingerprint(settings: object) -> str:
-    """Return a hash of plain data."""
-    return digest(json.dumps(settings, sort_keys=True).encode())
-
-
-def digest(content: bytes) -> str:
-    """Return a hash of bytes: 16 hexadecimal digits."""
-    return hashlib.sha256(content).hexdigest()[:16]

@@ -1,14 +1,51 @@
 """Training data in folders: the sub-folder that a file lies in names its class."""
 
+import re
 import warnings
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
 from beltsort.errors import DatabaseError
 from beltsort.perception.checks import FileWarning
+
+MESH_SUFFIXES = (".stl", ".obj", ".off", ".gltf", ".glb")
+"""Of files that hold meshes and no clouds; a .ply file holds either."""
+
+MOST_OF_A_HEADER = 4096  # bytes
+FACES = re.compile(rb"^element face 0*[1-9]", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class OtherKind:
+    """What a folder may hold instead of what was expected, and what to do then."""
+
+    name: str
+    expected: str
+    remedy: str
+    holds: Callable[[Path], bool]
+
+
+def is_mesh(file: Path) -> bool:
+    """Return whether a file holds a mesh, judged by its suffix, of a PLY file by the faces in its header."""
+    suffix = file.suffix.lower()
+    if suffix != ".ply":
+        return suffix in MESH_SUFFIXES
+    try:
+        with file.open("rb") as opened:
+            return FACES.search(opened.read(MOST_OF_A_HEADER)) is not None
+    except OSError:
+        return False
+
+
+MESHES = OtherKind(
+    "meshes",
+    "point clouds",
+    "train with `beltsort train --meshes`, in Python `beltsort.sim.meshes.train_from_meshes`",
+    is_mesh,
+)
 
 
 @dataclass(frozen=True)
@@ -64,20 +101,25 @@ def class_folder(file: Path, folder: str | PathLike[str]) -> str | None:
 
 
 def expect_two_classes(
-    names: Iterable[str], folder: str | PathLike[str], skipped: Sequence[Skipped]
+    names: Iterable[str], folder: str | PathLike[str], skipped: Sequence[Skipped], other: OtherKind
 ) -> list[str]:
     """Return the distinct names in order.
 
     Raises
     ------
     DatabaseError
-        If there are fewer than two, with the first reason why a file was skipped.
+        If there are fewer than two, with the first reason why a file was skipped, or what to do with files
+        of the other kind.
     """
     classes = sorted(set(names))
-    if len(classes) < 2:
-        first = [f"; {len(skipped)} skipped, the first: {s.path}: {s.reason}" for s in skipped[:1]]
+    if len(classes) >= 2:
+        return classes
+    found = f"{folder} gives training data of {len(classes)} classes {classes}, expected at least 2"
+    if others := sum(other.holds(each.path) for each in skipped):
         raise DatabaseError(
-            f"{folder} gives training data of {len(classes)} classes {classes}, expected at least 2: "
-            f"put files that can be used into a sub-folder for each class{''.join(first)}"
+            f"{found}: {others} of its files are {other.name}, expected {other.expected}; {other.remedy}"
         )
-    return classes
+    first = [f"; {len(skipped)} skipped, the first: {s.path}: {s.reason}" for s in skipped[:1]]
+    raise DatabaseError(
+        f"{found}: put files that can be used into a sub-folder for each class{''.join(first)}"
+    )

@@ -1,7 +1,8 @@
 """A database from folders of clouds."""
 
 import warnings
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
@@ -17,7 +18,9 @@ from beltsort.perception.clean import voxel_means
 from beltsort.perception.clouds import files_of, read_cloud, read_content
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.descriptor import describe
+from beltsort.perception.finding import Finding
 from beltsort.perception.folders import (
+    MESHES,
     Skipped,
     class_folder,
     expect_two_classes,
@@ -45,12 +48,15 @@ class Trained:
         Every other file of the folder, but for the intrinsics of depth images.
     own_viewpoints
         Number of files whose own VIEWPOINT was the camera's position.
+    missed
+        Of meshes: how often something else was found where an object was scanned, so that it gave no entry.
     """
 
     database: NearestNeighbour
     files: tuple[Path, ...]
     skipped: tuple[Skipped, ...]
     own_viewpoints: int = 0
+    missed: Mapping[Finding, int] = field(default_factory=dict)
 
 
 class View(NamedTuple):
@@ -216,7 +222,7 @@ def train_from_clouds(
             files.append(file)
             own += seen.own_viewpoint
     warn_of_twins(files)
-    classes = expect_two_classes(names, folder, skipped)
+    classes = expect_two_classes(names, folder, skipped, MESHES)
     labels = [classes.index(name) for name in names]
     database = NearestNeighbour.train(rows, labels, classes, config, distance=distance, k=k)
     return Trained(database, tuple(files), tuple(skipped), own)

@@ -1,8 +1,9 @@
 """A classifier and labelled scans from the simulated cell; `beltsort.sim.rounds` describes the scenes."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from beltsort.perception import (
     Classifier,
@@ -14,6 +15,7 @@ from beltsort.perception import (
     segment,
 )
 from beltsort.perception.classifier import check_classes
+from beltsort.perception.finding import Finding
 from beltsort.perception.vfh import Histogram
 from beltsort.sim import CellConfig
 from beltsort.sim.config import TABLE_OBJECTS, TRAINING_OBJECTS
@@ -70,23 +72,60 @@ def collect_training(
         If a worker process dies.
     """
     config, perception = config or CellConfig(), perception or PerceptionConfig()
+    views = training_views(config, perception, objects=objects, seed=seed, workers=workers, progress=progress)
+    return NearestNeighbour.train(views.descriptors, views.labels, config.classes, perception)
+
+
+class TrainingViews(NamedTuple):
+    """Scans of objects for training.
+
+    Attributes
+    ----------
+    labels, descriptors
+        Class index and descriptor of each object that perception finds.
+    missed
+        How often it found something else where an object stood.
+    """
+
+    labels: list[int]
+    descriptors: list[Histogram]
+    missed: Counter[Finding]
+
+
+def training_views(
+    config: CellConfig,
+    perception: PerceptionConfig,
+    *,
+    objects: int,
+    seed: int,
+    workers: int | None,
+    progress: Progress | None,
+) -> TrainingViews:
+    """Scan the objects that `collect_training` trains on; parameters and raises as there."""
     rounds = rounds_of(TRAINING_STREAM, seed, config, objects)
-    described = in_processes(partial(_described, config, perception), rounds, workers, progress)
-    found = [pair for of_round in described for pair in of_round]
-    return NearestNeighbour.train(
-        [descriptor for _, descriptor in found], [label for label, _ in found], config.classes, perception
-    )
+    views = TrainingViews([], [], Counter())
+    for of_round in in_processes(partial(_described, config, perception), rounds, workers, progress):
+        views.labels.extend(of_round.labels)
+        views.descriptors.extend(of_round.descriptors)
+        views.missed.update(of_round.missed)
+    return views
 
 
-def _described(config: CellConfig, perception: PerceptionConfig, work: Round) -> list[tuple[int, Histogram]]:
-    """Return class and descriptor of each object of a round that perception finds."""
-    found = []
+def _described(config: CellConfig, perception: PerceptionConfig, work: Round) -> TrainingViews:
+    """Return what the scans of a round show."""
+    views = TrainingViews([], [], Counter())
     for truth, (scan,) in zip(work.truths(config), work.scans(config, number=1), strict=True):
         segmented = segment(scan, config.layout, perception)
-        for label, points in zip(truth.true, segmented.objects, strict=True):
-            if points is not None and label is not None:
-                found.append((label, describe(points, segmented.camera, perception)))
-    return found
+        seen = zip(truth.true, segmented.objects, segmented.findings, strict=True)
+        for label, points, finding in seen:
+            if label is None:
+                continue
+            if points is None:
+                views.missed[finding] += 1
+                continue
+            views.labels.append(label)
+            views.descriptors.append(describe(points, segmented.camera, perception))
+    return views
 
 
 def collect_counts(

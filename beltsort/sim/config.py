@@ -101,7 +101,8 @@ class CellConfig:
     classes
         Names of the object classes.
     meshes
-        Mesh files by class, instead of the built-in shape; required for classes without a built-in shape.
+        Mesh files by class, instead of the built-in shape; required for classes without a built-in shape. Of
+        several files of a class, one is drawn for each object.
     size_spread
         Standard deviation of the logarithm of an object's length and, independently, of its diameter.
     belt_width
@@ -126,7 +127,7 @@ class CellConfig:
     camera: Camera = field(default_factory=Camera)
     noise: SensorNoise = field(default_factory=SensorNoise)
     arm: ArmErrors = field(default_factory=ArmErrors)
-    meshes: Mapping[str, str] = field(default_factory=dict)
+    meshes: Mapping[str, str | tuple[str, ...]] = field(default_factory=dict)
     size_spread: float = 0.05
     belt_width: float = 0.2
     upstream: int = 1
@@ -149,11 +150,18 @@ class CellConfig:
                 f"meshes names {sorted(unknown)}, expected classes out of {list(self.classes)}; correct the "
                 "names"
             )
+        if without := [name for name in self.meshes if not self.mesh_files(name)]:
+            raise CellError(f"meshes gives no file for {without}, expected one or more: name them")
         if self.reject_bin is not None and self.reject_bin < len(self.classes):
             raise CellError(
                 f"reject_bin is {self.reject_bin}, expected None or at least {len(self.classes)}, the number "
                 "of classes; choose another"
             )
+
+    def mesh_files(self, name: str) -> tuple[str, ...]:
+        """Return the mesh files of a class, none for a built-in shape."""
+        given = self.meshes.get(name, ())
+        return (given,) if isinstance(given, str) else tuple(given)
 
     def _check_numbers(self) -> None:
         for name, value, least in (

@@ -1,26 +1,77 @@
 """Training of a classifier on meshes, by scans of the simulated cell."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
 from beltsort.errors import CellError
 from beltsort.perception import NearestNeighbour, PerceptionConfig
+from beltsort.perception.clouds import SUFFIXES
 from beltsort.perception.folders import (
+    OtherKind,
     Skipped,
     class_folder,
     expect_two_classes,
+    is_mesh,
     training_files,
     warn_of_twins,
 )
 from beltsort.perception.training import Trained
 from beltsort.sim import CellConfig
-from beltsort.sim.collect import collect_training
+from beltsort.sim.collect import training_views
 from beltsort.sim.config import TRAINING_OBJECTS
 from beltsort.util.processes import Progress
 
 UNSEEN = "no scan shows enough of it above the rim of its cup: give a larger mesh, in metres"
 """Reason for skipping a mesh."""
+
+
+CLOUDS = OtherKind(
+    "point clouds",
+    "meshes",
+    "omit --meshes, in Python train with `beltsort.perception.train_from_clouds`",
+    lambda file: file.suffix.lower() in SUFFIXES and not is_mesh(file),
+)
+
+
+@dataclass(frozen=True)
+class MeshFolder:
+    """The meshes of a folder, of two classes or more.
+
+    Attributes
+    ----------
+    files
+        The meshes.
+    names
+        The class of each.
+    skipped
+        Every other file of the folder.
+    """
+
+    files: tuple[Path, ...]
+    names: tuple[str, ...]
+    skipped: tuple[Skipped, ...]
+
+    def cell(self) -> CellConfig:
+        """Return the default simulated cell with these classes, sorted by name.
+
+        Of several meshes of a class, one is drawn for each object.
+        """
+        of_class: dict[str, tuple[str, ...]] = dict.fromkeys(sorted(self.names), ())
+        for file, name in zip(self.files, self.names, strict=True):
+            of_class[name] += (str(file),)
+        single = {name: files[0] if len(files) == 1 else files for name, files in of_class.items()}
+        return CellConfig(classes=tuple(of_class), meshes=single)
+
+
+def read_mesh_folder(folder: str | PathLike[str]) -> MeshFolder:
+    """Find the meshes in a folder and their classes, as `train_from_meshes` does; raises and warns alike."""
+    files, skipped = _readable(training_files(folder))
+    warn_of_twins(files)
+    names = [class_folder(file, folder) or file.stem for file in files]
+    expect_two_classes(names, folder, skipped, CLOUDS)
+    return MeshFolder(tuple(files), tuple(names), tuple(skipped))
 
 
 def train_from_meshes(
@@ -66,25 +117,28 @@ def train_from_meshes(
     FileWarning
         As `read_mesh`, and about meshes that differ in their suffix only.
     """
-    meshes, skipped = _readable(training_files(folder))
-    warn_of_twins(meshes)
-    names = [class_folder(mesh, folder) or mesh.stem for mesh in meshes]
-    expect_two_classes(names, folder, skipped)
-    cell = CellConfig(
-        classes=tuple(str(mesh) for mesh in meshes), meshes={str(mesh): str(mesh) for mesh in meshes}
+    meshes = read_mesh_folder(folder)
+    perception = perception or PerceptionConfig()
+    single = {str(file): str(file) for file in meshes.files}  # a class for each mesh
+    scanned = training_views(
+        CellConfig(classes=tuple(single), meshes=single),
+        perception,
+        objects=objects,
+        seed=seed,
+        workers=workers,
+        progress=progress,
     )
-    scanned = collect_training(
-        cell, perception, objects=objects, seed=seed, workers=workers, progress=progress
-    )
-    found = set(scanned.labels.tolist())
-    skipped += [Skipped(mesh, UNSEEN) for label, mesh in enumerate(meshes) if label not in found]
-    entries = [names[label] for label in scanned.labels]
-    classes = expect_two_classes(entries, folder, skipped)
+    found = sorted(set(scanned.labels))
+    unseen = [Skipped(file, UNSEEN) for label, file in enumerate(meshes.files) if label not in found]
+    skipped = [*meshes.skipped, *unseen]
+    entries = [meshes.names[label] for label in scanned.labels]
+    classes = expect_two_classes(entries, folder, skipped, CLOUDS)
     labels = [classes.index(name) for name in entries]
     database = NearestNeighbour.train(
-        scanned.descriptors, labels, classes, scanned.config, distance=distance, k=k
+        scanned.descriptors, labels, classes, perception, distance=distance, k=k
     )
-    return Trained(database, tuple(meshes[label] for label in sorted(found)), tuple(skipped))
+    files = tuple(meshes.files[label] for label in found)
+    return Trained(database, files, tuple(skipped), missed=dict(scanned.missed))
 
 
 def _readable(files: Sequence[Path]) -> tuple[list[Path], list[Skipped]]:

@@ -1,5 +1,6 @@
 """Objects in their cups: size, orientation and resting position."""
 
+from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
@@ -10,7 +11,7 @@ from beltsort.sim.rotations import rotation
 from beltsort.sim.surfaces import Mesh, revolve
 from beltsort.util.randomness import generator
 
-OBJECT_STREAM = 0  # random stream of objects, distinct from that of scans
+OBJECT_STREAM, SHAPE_STREAM = 0, 6  # random streams of objects and of their meshes, distinct from all others
 POSES = ("upright", "leaning", "lying")
 
 REACH = 0.016  # metres; largest distance of an object's centre from the cup's axis, along x and y
@@ -30,6 +31,13 @@ def cup_mesh(cup: Cup, layout: BeltLayout) -> Mesh:
 def object_generator(seed: int, number: int) -> np.random.Generator:
     """Return the random numbers that object `number` of a cell is drawn with."""
     return generator(seed, OBJECT_STREAM, number)
+
+
+def draw_nominal(meshes: Sequence[Mesh], seed: int, number: int) -> Mesh:
+    """Draw the mesh of object `number` of a cell from those of its class."""
+    if len(meshes) == 1:
+        return meshes[0]
+    return meshes[int(generator(seed, SHAPE_STREAM, number).integers(len(meshes)))]
 
 
 def draw_object(nominal: Mesh, config: CellConfig, rng: np.random.Generator) -> Mesh:

@@ -102,8 +102,7 @@ class Recipe:
         CellError
             If a mesh file cannot be read.
         """
-        meshes = {name: _mesh_hash(path) for name, path in self.config.meshes.items()}
-        depends_on = [PIPELINE, SEED, asdict(self), meshes]
+        depends_on = [PIPELINE, SEED, asdict(self), mesh_hashes(self.config)]
         return _hash(json.dumps(depends_on, sort_keys=True).encode())[:16]
 
 
@@ -230,6 +229,18 @@ def _counts(scans: Sequence[LabelledScan], config: CellConfig) -> Counts:
 
 def _silent(_stage: str) -> Progress:
     return lambda _done, _total: None
+
+
+def mesh_hashes(config: CellConfig) -> dict[str, str]:
+    """Return a hash of the contents of the mesh files of each class that has some.
+
+    Raises
+    ------
+    CellError
+        If a mesh file cannot be read.
+    """
+    files = {name: config.mesh_files(name) for name in config.meshes}
+    return {name: ",".join(map(_mesh_hash, paths)) for name, paths in files.items()}
 
 
 def _mesh_hash(path: str) -> str:

@@ -9,7 +9,7 @@ from beltsort.errors import CellError
 from beltsort.geometry import Points
 from beltsort.sim.bulbs import bulb
 from beltsort.sim.config import CellConfig
-from beltsort.sim.objects import cup_mesh, draw_object, object_generator
+from beltsort.sim.objects import cup_mesh, draw_nominal, draw_object, object_generator
 from beltsort.sim.scene import Scene
 from beltsort.sim.surfaces import Mesh, read_mesh
 from beltsort.util.randomness import checked_seed
@@ -40,7 +40,7 @@ class World:
         self._config = config
         self._seed = checked_seed(seed)
         self._nominal = [
-            read_mesh(config.meshes[name]) if name in config.meshes else bulb(name) for name in config.classes
+            [read_mesh(file) for file in config.mesh_files(name)] or [bulb(name)] for name in config.classes
         ]
         self._cup = cup_mesh(config.cup, config.layout)
         self._objects: dict[int, Mesh] = {}
@@ -95,7 +95,8 @@ class World:
             return None
         if number not in self._objects:
             rng = object_generator(self._seed, number)
-            self._objects[number] = draw_object(self._nominal[label], self._config, rng)
+            nominal = draw_nominal(self._nominal[label], self._seed, number)
+            self._objects[number] = draw_object(nominal, self._config, rng)
         return _translated(self._objects[number], self._config.layout.centre(position))
 
     def _belt(self, positions: int) -> Points:

@@ -128,7 +128,10 @@ def _located(values: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if "model.file" in located:
         located["model.file"] = str(folder / located["model.file"])
     if "cell.meshes" in located:
-        located["cell.meshes"] = {name: str(folder / file) for name, file in located["cell.meshes"].items()}
+        located["cell.meshes"] = {
+            name: str(folder / files) if isinstance(files, str) else [str(folder / file) for file in files]
+            for name, files in located["cell.meshes"].items()
+        }
     if "planner.policy" in located:
         located["planner.policy"] = located_policy(located["planner.policy"], folder)
     return located
@@ -139,6 +142,7 @@ def _files(name: str, value: Any) -> Iterable[str]:
         case "model.file":
             yield value
         case "cell.meshes":
-            yield from value.values()
+            for files in value.values():
+                yield from [files] if isinstance(files, str) else files
         case "planner.policy" if (file := solution_file(value)) is not None:
             yield file

@@ -14,14 +14,16 @@ import pytest
 
 import beltsort
 from beltsort.cli import main
-from beltsort.perception import NearestNeighbour, rule_of
+from beltsort.perception import NearestNeighbour, load_trained, rule_of
 from beltsort.sim import CellConfig
-from beltsort.sim.collect import collect_counts, collect_training
+from beltsort.sim.collect import collect_counts, collect_scans, collect_training
+from beltsort.sim.meshes import read_mesh_folder, train_from_meshes
 from beltsort.sim.record import record_simulated
 from beltsort.sim.rounds import OBJECTS_OF_A_CLASS
 from beltsort.tables import LabelledScan, estimate
 from beltsort.tables.log import LabelLog
 from tests.cli.running import command
+from tests.sim.test_mesh_training import write_stl
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.process
@@ -210,6 +212,58 @@ def test_the_simulated_cell_trains_its_own_classifier_once(
     assert "24 scans " in capsys.readouterr().err
 
 
+@pytest.fixture(scope="module")
+def meshes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("meshes")
+    write_stl(folder / "thick" / "a.stl", 0.035, 0.09)
+    write_stl(folder / "thick" / "b.stl", 0.03, 0.1)
+    write_stl(folder / "thin.stl", 0.012, 0.14)
+    return folder
+
+
+def test_meshes_as_train_takes_them(
+    meshes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    train_from_meshes(meshes, objects=1, workers=1).database.save("classifier.npz")
+    given = ["--classifier", "classifier.npz", "-o", "model.json", "--objects", "1", "--workers", "1"]
+    assert main(["estimate", "--meshes", str(meshes), *given, "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["classes"] == beltsort.SortingModel.load("model.json").classes == ["thick", "thin"]
+    scans = collect_scans(
+        load_trained("classifier.npz"), read_mesh_folder(meshes).cell(), objects=1, workers=1
+    )
+    expected = estimate(scans, ["thick", "thin"], ["p1", "p2", "p3"])
+    assert result["counts"] == expected.counts.counts.tolist()
+    write_stl(meshes / "thin.stl", 0.013, 0.14)  # labels of another mesh are not counted
+    assert main(["estimate", "--meshes", str(meshes), *given]) == 2
+    assert "model.labels" in capsys.readouterr().err
+
+
+def test_the_simulated_cell_of_a_cell_file(
+    meshes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    train_from_meshes(meshes, objects=1, workers=1).database.save(tmp_path / "classifier.npz")
+    cell = tmp_path / "cell.toml"
+    simulated = "".join(
+        f'[{device}]\nbackend = "simulated"\n' for device in ("arm", "camera", "sorter", "belt")
+    )
+    cell.write_text(
+        'version = 1\nclasses = ["thick", "thin"]\nobjects = 1\nmodel = "model.json"\n'
+        'classifier = "classifier.npz"\n[[viewpoints]]\nname = "top"\nazimuth = 90.0\nelevation = 60.0\n'
+        f"{simulated}positions = 1\nspacing = 0.18\n[backends.simulated.meshes]\n"
+        f"thick = ['{meshes}/thick/a.stl', '{meshes}/thick/b.stl']\nthin = '{meshes}/thin.stl'\n"
+    )
+    model = tmp_path / "model.json"
+    given = ["estimate", str(cell), "-o", str(model), "--objects", "2", "--workers", "1", "--json"]
+    assert main(given) == 0
+    assert json.loads(capsys.readouterr().out)["viewpoints"] == ["top"]
+    assert beltsort.SortingModel.load(model).p_obs.shape == (1, 1, 2, 2)
+    cell.write_text(cell.read_text().replace('[arm]\nbackend = "simulated"', '[arm]\nbackend = "dry-run"'))
+    assert main(given) == 2
+    assert re.search(r"cell\.toml has real devices \(arm\).*record scans", capsys.readouterr().err)
+
+
 def test_repeats_are_put_into_the_model_and_warned_of_otherwise() -> None:
     rng = np.random.default_rng(0)
     scans = [
@@ -240,14 +294,20 @@ def test_rows_without_an_object_are_warned_of() -> None:
         (["nowhere", "--objects", "3"], r"--objects\b.*\bfolder\b"),
         (["simulated", "--objects", "0", "--classifier", "DB"], r"\bobjects\b.*\b0\b.*\b1\b"),
         (["simulated", "--classifier", "missing.npz"], r"missing\.npz\b.*No such file"),
+        (["MESHES", "--classifier", "DB"], r"has no cell\.json\b.*meshes.*--meshes"),
+        (["DB"], r"database\.npz is a file\b.*\bcell file\b.*--meshes"),
+        (["simulated", "--meshes"], r"simulated is no folder\b.*of meshes"),
         (["nowhere", "--smoothing", "0"], r"\bsmoothing\b.*\b0\.0\b"),
         (["nowhere", "--error", "2"], r"standard error\b.*\b2\.0\b.*\b0\.03\b"),
         (["nowhere", "--figure", "missing/x.png"], r"missing/x\.png\b.*\bdirectory missing\b"),
         (["nowhere", "--figure", "x.txt"], r"x\.txt\b.*\.png\b"),
     ],
 )
-def test_errors_are_one_line(arguments: list[str], message: str, classifier: str, tmp_path: Path) -> None:
-    given = [classifier if argument == "DB" else argument for argument in arguments]
+def test_errors_are_one_line(
+    arguments: list[str], message: str, classifier: str, meshes: Path, tmp_path: Path
+) -> None:
+    named = {"DB": classifier, "MESHES": str(meshes)}
+    given = [named.get(argument, argument) for argument in arguments]
     done = command("estimate", *given, "-o", str(tmp_path / "model.json"), "--workers", "1", "--json")
     assert done.returncode == 2
     assert done.stdout == ""
