@@ -92,7 +92,7 @@ def _meshes(folder: Path, arguments: Namespace) -> SimulatedSource:
         )
     meshes = read_mesh_folder(folder)
     for skipped in meshes.skipped:
-        print_status(f"skipped {skipped.path}: {skipped.reason}")
+        print_status(str(skipped))
 
     def train() -> "TrainedClassifier":
         return train_from_meshes(folder, workers=arguments.workers, progress=tenths("training")).database

@@ -116,7 +116,7 @@ def run(arguments: Namespace) -> int:
     _check_arguments(arguments)
     trained = _trained(arguments)
     for skipped in trained.skipped:
-        print_status(f"skipped {skipped.path}: {skipped.reason}")
+        print_status(str(skipped))
     if trained.own_viewpoints:
         print_status(
             f"{trained.own_viewpoints} of {len(trained.files)} files have a VIEWPOINT, which is the camera's "
@@ -141,7 +141,7 @@ def run(arguments: Namespace) -> int:
     if arguments.json:
         print_json(_as_json(arguments, trained, table, reject, suggested, doubtful))
     else:
-        _show_text(arguments, database, table, suggested)
+        _show_text(arguments, database, trained, table, suggested)
         if doubtful:
             print(_suspects_text(trained, doubtful))
     return 0
@@ -212,6 +212,7 @@ def _as_json(
         "database": str(arguments.output),
         "entries": table.total,
         "files": len(trained.files),
+        "missed": dict(trained.missed),
         "skipped": [{"file": str(s.path), "reason": s.reason} for s in trained.skipped],
         "descriptor": trained.database.config.descriptor,
         "classifier": arguments.classifier,
@@ -237,7 +238,11 @@ def _as_json(
 
 
 def _show_text(
-    arguments: Namespace, database: NearestNeighbour, table: Confusion, suggested: float | None
+    arguments: Namespace,
+    database: NearestNeighbour,
+    trained: Trained,
+    table: Confusion,
+    suggested: float | None,
 ) -> None:
     share = 100.0 * table.right / table.total
     rule = f"k = {database.k}" if arguments.classifier == NEAREST else "kernel ridge regression"
@@ -246,6 +251,7 @@ def _show_text(
         f"{arguments.output}: {table.total} entries of {len(table.classes)} classes, {descriptor}"
         f"distance {database.distance}, {rule}"
     )
+    print(_used_text(trained, "meshes" if arguments.meshes else "files"))
     print(f"Leave-one-out: {table.right} of {table.total} are right ({share:.1f} %):")
     print(table)
     if database.reject is not None:
@@ -255,6 +261,21 @@ def _show_text(
             f"Every cloud gets a label. The {PERCENTILE:g}th percentile of the distance to the nearest entry "
             f"of the same class is {suggested:g}; --reject {AUTOMATIC} gives no label beyond it."
         )
+
+
+def _used_text(trained: Trained, what: str) -> str:
+    """Return a sentence on how many files, and how many scans of meshes, were trained on."""
+    used, skipped = len(trained.files), len(trained.skipped)
+    files = f"all {used} {what}"
+    if skipped:
+        files = f"{used} {what}; {skipped} file{'' if skipped == 1 else 's'} skipped, see above"
+    if not trained.missed:
+        return f"Trained on {files}."
+    entries, missed = len(trained.database.labels), sum(trained.missed.values())
+    found = ", ".join(f"{finding} ({number})" for finding, number in sorted(trained.missed.items()))
+    return (
+        f"Trained on {files}: {entries} of {entries + missed} scans of objects. Found in the others: {found}."
+    )
 
 
 def _suspects_text(trained: Trained, doubtful: list[Suspect]) -> str:

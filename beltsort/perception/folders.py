@@ -55,6 +55,10 @@ class Skipped:
     path: Path
     reason: str
 
+    def __str__(self) -> str:
+        """Return path and reason, which may begin with the path itself."""
+        return f"skipped {self.path}: {self.reason.removeprefix(f'{self.path} ')}"
+
 
 def training_files(folder: str | PathLike[str]) -> list[Path]:
     """Return every file of `folder` and of all folders in it, in a fixed order.

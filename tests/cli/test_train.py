@@ -46,6 +46,7 @@ def test_train_writes_what_the_library_trains(folder: Path, tmp_path: Path) -> N
     assert done.returncode == 0
     assert done.stderr.startswith(f"skipped {folder / 'round' / 'notes.md'}: ")
     assert f"{path}: 6 entries of 2 classes, distance l2, k = 3\n" in done.stdout
+    assert "\nTrained on 6 files; 1 file skipped, see above.\n" in done.stdout
     assert "6 of 6 are right (100.0 %)" in done.stdout
     written, expected = NearestNeighbour.load(path), train_from_clouds(folder, distance="l2", k=3).database
     np.testing.assert_array_equal(written.descriptors, expected.descriptors)

@@ -1,5 +1,6 @@
 """Training on meshes: every mesh is scanned, and counts for the class that its place names."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -91,5 +92,6 @@ def test_the_command_trains_what_the_library_does(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert done.stderr.endswith("scans 100 %\n")
+    assert re.search(r"\nTrained on all 2 meshes(: \d+ of 12 scans of objects\. Found .*)?\.\n", done.stdout)
     expected = train_from_meshes(tmp_path / "meshes", objects=1, seed=5, workers=1).database
     np.testing.assert_array_equal(NearestNeighbour.load(path).descriptors, expected.descriptors)
