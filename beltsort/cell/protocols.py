@@ -56,6 +56,13 @@ class Scan:
     frame: str = "camera"
     assumed: bool = False
 
+    def __repr__(self) -> str:
+        """Return the number of points and where the camera stood."""
+        shape, camera = " x ".join(map(str, self.points.shape[:-1])), self.world_from_camera[:3, 3]
+        position = ", ".join(f"{value:.3f}" for value in camera)
+        where = f"assumed at ({position})" if self.assumed else f"at ({position})"
+        return f"Scan({shape} points, camera {self.frame!r} {where} m, stamp {self.stamp:.3f} s)"
+
 
 @dataclass(frozen=True)
 class Health:

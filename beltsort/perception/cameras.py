@@ -31,6 +31,11 @@ class CameraPositions:
     everywhere: Points | None = None
     by_file: Mapping[Path, Points] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        """Return the position of all clouds, and how many files have another."""
+        everywhere = None if self.everywhere is None else self.everywhere.tolist()
+        return f"CameraPositions(everywhere={everywhere}, by_file=<{len(self.by_file)} files>)"
+
     def of(self, file: Path, recorded: Points | None) -> Points:
         """Return the position for the cloud in `file`, shape (3,).
 

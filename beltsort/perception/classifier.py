@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 import beltsort
 from beltsort.errors import DatabaseError
 from beltsort.geometry import Points
+from beltsort.util.representation import short_repr
 
 Scores = NDArray[np.float64]
 
@@ -44,6 +45,8 @@ class Match:
     scores: Scores
     distances: Scores | None = None
     probabilities: Scores | None = None
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         """Refuse scores that are not finite, labels without a score, and what is no distribution."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from beltsort.perception.classifier import Match
 from beltsort.util.extras import extra
+from beltsort.util.html import box, table
 from beltsort.util.text import text_table
 
 COLOURS = "cividis"  # readable for colour-blind readers too; in grey it runs from dark to light
@@ -57,12 +58,30 @@ class Confusion:
 
     def __str__(self) -> str:
         """Return the counts as a table."""
+        return text_table([self._header(), *self._rows()])
+
+    def __repr__(self) -> str:
+        """Return the number of right labels, and the counts as a table."""
+        return f"{self._title()}\n{self}"
+
+    def _repr_html_(self) -> str:
+        """Return HTML for notebooks."""
+        shares = self.counts / np.maximum(self.counts.sum(axis=1, keepdims=True), 1)
+        shades = [[*row, 0.0] for row in shares.tolist()]
+        return box(self._title(), table(self._rows(), header=self._header(), shades=shades))
+
+    def _title(self) -> str:
+        return f"Confusion: {self.right} of {self.total} right"
+
+    def _header(self) -> list[str]:
+        return ["true", *self.classes, "none", "right"]
+
+    def _rows(self) -> list[list[str]]:
         shares = [f"{100.0 * share:.1f} %" for share in self.recall]
-        rows = [
+        return [
             [name, *map(str, row), share]
             for name, row, share in zip(self.classes, self.counts, shares, strict=True)
         ]
-        return text_table([["true", *self.classes, "none", "right"], *rows])
 
 
 def confusion(true_labels: Iterable[int], matches: Sequence[Match], classes: Sequence[str]) -> Confusion:

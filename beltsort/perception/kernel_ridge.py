@@ -23,6 +23,8 @@ from beltsort.perception.descriptor import describe
 from beltsort.perception.distances import distances_to
 from beltsort.perception.nearest import NearestNeighbour
 from beltsort.util.extras import extra
+from beltsort.util.html import box, table
+from beltsort.util.text import in_words
 
 Array = NDArray[np.float64]
 
@@ -87,6 +89,19 @@ class KernelRidge:
             value = getattr(self, name)
             if not (isinstance(value, float) and 0.0 < value < np.inf):
                 raise DatabaseError(f"{name} is {value!r}, expected a finite number above 0: train again")
+
+    def __repr__(self) -> str:
+        """Return the classes with their numbers of entries, and the settings."""
+        return f"KernelRidge({in_words(self.facts())})"
+
+    def _repr_html_(self) -> str:
+        """Return HTML for notebooks."""
+        return box("KernelRidge", table([*self.facts().items()], numbers=False))
+
+    def facts(self) -> dict[str, str]:
+        """Return what the database holds and the settings, by name."""
+        fitted = {"scale": f"{self.scale:.4g}", "sharpness": f"{self.sharpness:.4g}"}
+        return self.database.facts() | fitted
 
     @classmethod
     def train(cls, database: NearestNeighbour) -> "KernelRidge":

@@ -16,6 +16,7 @@ import beltsort
 from beltsort.errors import DatabaseError
 from beltsort.perception.classifier import Match
 from beltsort.perception.finding import Finding
+from beltsort.util.html import box, table
 from beltsort.util.problems import Problem, listed
 
 Score: TypeAlias = Literal["margin", "probability"]
@@ -149,6 +150,21 @@ class LabelRule:
             )
         level = bisect_right(self.edges, score_of(match, self.score)) if self.edges else 0
         return match.label * self.levels + level
+
+    def __str__(self) -> str:
+        """Return the rule in words, with its labels."""
+        return "\n".join([f"LabelRule: {self._in_words()}", *(f"  {name}" for name in self.labels)])
+
+    def _repr_html_(self) -> str:
+        """Return HTML for notebooks."""
+        numbered = [[str(number), name] for number, name in enumerate(self.labels)]
+        return box(f"LabelRule: {self._in_words()}", table(numbered, header=["label", "name"], numbers=False))
+
+    def _in_words(self) -> str:
+        if not self.edges:
+            return "labels without levels of confidence"
+        cuts = " and ".join(f"{edge:.3g}" for edge in self.edges)
+        return f"{self.levels} levels of confidence, {self.score} cut at {cuts}"
 
     def to_dict(self) -> dict[str, object]:
         """Return the rule as plain data for JSON; a model keeps it as its `label_rule`."""

@@ -18,6 +18,8 @@ from beltsort.perception.database import MOST_ENTRIES, Stored, read_database, wr
 from beltsort.perception.descriptor import describe, length_of
 from beltsort.perception.distances import DISTANCES, distances_to
 from beltsort.perception.vfh import Histogram
+from beltsort.util.html import box, table
+from beltsort.util.text import in_words
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +77,28 @@ class NearestNeighbour:
         self._check_arrays()
         self._check_classes()
         self._check_settings()
+
+    def __repr__(self) -> str:
+        """Return the classes with their numbers of entries, and the settings."""
+        return f"NearestNeighbour({in_words(self.facts() | self._rule())})"
+
+    def _repr_html_(self) -> str:
+        """Return HTML for notebooks."""
+        return box("NearestNeighbour", table([*(self.facts() | self._rule()).items()], numbers=False))
+
+    def facts(self) -> dict[str, str]:
+        """Return what the database holds and how it compares, by name."""
+        numbers = np.bincount(self.labels, minlength=len(self.classes)).tolist()
+        of_classes = [f"{name} {number}" for name, number in zip(self.classes, numbers, strict=True)]
+        found = {
+            "entries": f"{len(self.labels)} ({', '.join(of_classes)})",
+            "descriptor": self.config.descriptor,
+            "distance": self.distance,
+        }
+        return found if self.reject is None else found | {"reject": f"{self.reject:.4g}"}
+
+    def _rule(self) -> dict[str, str]:
+        return {"k": str(self.k)}
 
     def _check_arrays(self) -> None:
         n, length = self.labels.size, length_of(self.config)

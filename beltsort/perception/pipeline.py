@@ -15,6 +15,7 @@ from beltsort.perception.nearest import NearestNeighbour
 from beltsort.perception.pose_fault import PoseFault
 from beltsort.perception.probabilities import ProbabilityClassifier
 from beltsort.perception.segment import DepthScan, Segmented, segment
+from beltsort.util.representation import short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,8 @@ class Perceived:
     match: Match | None = None
     finding: Finding = Finding.OBJECT
     pose_fault: PoseFault | None = None
+
+    __repr__ = short_repr
 
     @property
     def distance(self) -> float | None:
@@ -114,6 +117,11 @@ class Perception:
         self.classifier = classifier
         self.config = config
         self.rule = rule
+
+    def __repr__(self) -> str:
+        """Return the classifier, the number of positions and the labels."""
+        labels = ", ".join(self.labels)
+        return f"Perception({self.classifier!r}, positions {self.layout.positions}, labels {labels})"
 
     @property
     def labels(self) -> tuple[str, ...]:

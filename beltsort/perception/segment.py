@@ -18,6 +18,7 @@ from beltsort.perception.level import levelled
 from beltsort.perception.parts import Background, several_objects
 from beltsort.perception.pose_fault import PoseFault, pose_fault
 from beltsort.perception.visibility import crossings, image_border, share_seen, within_gap
+from beltsort.util.representation import short_repr
 
 MOST_POINTS = 4_000_000  # more than a depth camera returns; larger scans are thinned to bound memory
 PLAUSIBLE_DISTANCES = (0.02, 20.0)  # metres from the camera
@@ -57,6 +58,8 @@ class Segmented:
     findings: tuple[Finding, ...]
     camera: Points
     pose_fault: PoseFault | None = None
+
+    __repr__ = short_repr
 
     @property
     def objects(self) -> tuple[Points | None, ...]:

@@ -58,6 +58,10 @@ class Trained:
     own_viewpoints: int = 0
     missed: Mapping[Finding, int] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        """Return what the database holds, and how many files were used."""
+        return f"Trained({self.database!r}, {len(self.files)} files used, {len(self.skipped)} skipped)"
+
 
 class View(NamedTuple):
     """A scan of one object.

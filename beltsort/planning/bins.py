@@ -109,6 +109,10 @@ class SortingStatistics:
             "recovery": {found.name: found.recovery.to_dict() for found in self.bins},
         }
 
+    def __repr__(self) -> str:
+        """Return what `str` does."""
+        return str(self)
+
     def __str__(self) -> str:
         """Format the confusion of classes by bins as plain text, a row per bin."""
         digits = 0 if np.isnan(self.confusion_errors).all() else 3

@@ -62,6 +62,14 @@ class Counts:
     pairs: Integers
     label_classes: tuple[int | None, ...] | None = None
 
+    def __repr__(self) -> str:
+        """Return the sizes, and how many objects were counted."""
+        positions, viewpoints, classes, labels = self.counts.shape
+        return (
+            f"Counts({self.counts.sum()} labelled objects, {self.missed.sum()} without a label; positions "
+            f"{positions}, viewpoints {viewpoints}, classes {classes}, labels {labels})"
+        )
+
     def probabilities(self, smoothing: float | Array) -> Array:
         """Return the posterior mean of the observation table, shape (H, K, L, Z); rows sum to 1.
 

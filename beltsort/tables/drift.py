@@ -36,7 +36,7 @@ import numpy as np
 import beltsort
 from beltsort.tables.counts import Array
 from beltsort.util.defaults import FALSE_ALARM
-from beltsort.util.text import number_or_none
+from beltsort.util.text import counted, number_or_none
 
 NOISE = 0.2  # lambda; from 0.1 to 0.5 the delays differ little
 FORGETTING = 0.98  # factor by which earlier looks lose weight with each look
@@ -150,6 +150,11 @@ class DriftWatch:
         self._threshold = len(self._tests) / false_alarm  # the tests share the probability (Bonferroni)
         self._seen, self._expected = np.full((2, *shape, len(model.labels)), PRIOR_LOOKS)
         self._excess, self._variance, self._looks = np.zeros((3, *shape))
+
+    def __repr__(self) -> str:
+        """Return the looks so far, and the alarms."""
+        looks, alarms = counted(int(self._looks.sum()), "look"), counted(len(self.alarms), "alarm")
+        return f"DriftWatch(false_alarm={self.false_alarm:g}, {looks}, {alarms})"
 
     def observe(
         self, belief_before: "beltsort.Belief", viewpoint: int, labels: Sequence[int | None]

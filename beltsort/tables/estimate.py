@@ -21,9 +21,11 @@ from beltsort.tables.modes import ModeTables
 from beltsort.tables.pooling import pooled_prior
 from beltsort.tables.scans import LabelledScan, looks
 from beltsort.util.defaults import TARGET_ERROR
-from beltsort.util.text import number_or_none, position_number
+from beltsort.util.html import box, caption, table
+from beltsort.util.text import counted, number_or_none, position_number, text_table
 
 SIGNIFICANT = 0.05  # after Holm's correction
+ACCURACY = "share of right labels, mean over the classes"
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +57,38 @@ class Estimate:
     worst: WorstRow
     missing: int
     tests: list[IndependenceTest]
+
+    def __repr__(self) -> str:
+        """Return the accuracy of looks by position and viewpoint, the largest error, and warnings."""
+        return "\n".join(
+            [f"{self._title()}, {ACCURACY}", text_table([self._header(), *self._rows()]), *self._remarks()]
+        )
+
+    def _repr_html_(self) -> str:
+        """Return HTML for notebooks."""
+        shades = np.nan_to_num(self.counts.accuracy()).tolist()
+        accuracy = table(self._rows(), header=self._header(), shades=shades)
+        return box(self._title(), caption(ACCURACY), accuracy, remark=" ".join(self._remarks()))
+
+    def _title(self) -> str:
+        return f"Estimate from {counted(self.scans, 'scan')}"
+
+    def _header(self) -> list[str]:
+        return ["position", *self.model.viewpoints]
+
+    def _rows(self) -> list[list[str]]:
+        accuracy = self.counts.accuracy()
+        return [[position_number(j), *(f"{share:.3f}" for share in row)] for j, row in enumerate(accuracy)]
+
+    def _remarks(self) -> list[str]:
+        """Return sentences on the largest standard error and on what is doubtful."""
+        worst = self.worst
+        error = (
+            f"Largest standard error {worst.error:.3f}: position {position_number(worst.position)}, "
+            f"{self.model.viewpoints[worst.viewpoint]}, true {self.model.classes[worst.true]}, "
+            f"{counted(worst.objects, 'object')}."
+        )
+        return [error, *(f"Warning: {warning}." for warning in self.warnings())]
 
     def warnings(self) -> list[str]:
         """Return sentences on table rows without any object, and on assumptions that the scans contradict."""

@@ -18,6 +18,7 @@ from beltsort.tables.repeated_looks import NONE, Array, Integers, RepeatedLooks
 from beltsort.util.defaults import UNIFORM_PRIOR
 from beltsort.util.extras import extra
 from beltsort.util.randomness import generator
+from beltsort.util.representation import short_repr
 
 with extra("perception"):
     from scipy.special import logsumexp
@@ -60,6 +61,8 @@ class ModeSettings:
     starts: int = 10
     seed: int = 0
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         """Check the numbers."""
         check_smoothing(self.smoothing, labels=1)
@@ -94,6 +97,8 @@ class ModeTables:
     pseudo_counts: Array
     objects: Array
     names: tuple[tuple[str, ...], ...]
+
+    __repr__ = short_repr
 
     @property
     def p_obs(self) -> Array:

@@ -29,6 +29,7 @@ import numpy as np
 from beltsort.errors import RecordingError
 from beltsort.geometry import BeltLayout, Pose
 from beltsort.util.naming import nearest_of
+from beltsort.util.representation import short_repr
 
 VERSION = 1
 HEADER, MANIFEST = "cell.json", "manifest.jsonl"
@@ -77,6 +78,8 @@ class RecordedScan:
     world_from_camera: Pose
     modes: tuple[str | None, ...] = ()
 
+    __repr__ = short_repr
+
     def line(self, header: Header) -> str:
         """Return the manifest's line."""
         classes = [None if true is None else header.classes[true] for true in self.true]
@@ -95,6 +98,8 @@ class Recording:
     folder: Path
     header: Header
     scans: tuple[RecordedScan, ...]
+
+    __repr__ = short_repr
 
     def modes(self) -> dict[str, str]:
         """Return the name of the mode of each object whose mode is known, for `looks_at_objects`."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import beltsort
 from beltsort.tables.scans import LabelledScan
+from beltsort.util.representation import short_repr
 
 Integers = NDArray[np.int64]
 Array = NDArray[np.float64]
@@ -88,6 +89,8 @@ class RepeatedLooks:
     positions: Integers
     viewpoints: Integers
     labels: Integers
+
+    __repr__ = short_repr
 
     @classmethod
     def of(cls, objects: Sequence[LooksAtObject], shape: TableShape) -> Self:

@@ -24,6 +24,17 @@ def numbers_or_none(numbers: Mapping[str, float]) -> dict[str, float | None]:
     return {name: number_or_none(value) for name, value in numbers.items()}
 
 
+def in_words(facts: Mapping[str, str]) -> str:
+    """Return facts in one line.
+
+    Examples
+    --------
+    >>> in_words({"entries": "6 (nut 3, bolt 3)", "distance": "chi2"})
+    'entries 6 (nut 3, bolt 3), distance chi2'
+    """
+    return ", ".join(f"{name} {value}" for name, value in facts.items())
+
+
 def counted(number: int, noun: str) -> str:
     """Return a number with its noun.
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from beltsort import BeltsortError
 from beltsort.errors import ViewpointError
 from beltsort.geometry import Points, SphereViewpoint, direction_of
+from beltsort.util.html import box, table
+from beltsort.util.text import text_table
 from beltsort.viewpoints.graph import Edges, components, steps_from
 from beltsort.viewpoints.sphere import Sampling
 
@@ -88,6 +90,28 @@ class ViewpointMap:
         _check_connected(self)
         if self.neighbours_only:
             _check_travel(self)
+
+    def __repr__(self) -> str:
+        """Return the chosen viewpoints with their directions and the costs of moves."""
+        return f"{self._title()}\n{text_table([self._header(), *self._rows()])}"
+
+    def _repr_html_(self) -> str:
+        """Return HTML for notebooks."""
+        return box(self._title(), table(self._rows(), header=self._header()))
+
+    def _title(self) -> str:
+        points = f"{len(self.points)} points, {int(self.reachable.sum())} of them reachable"
+        moves = ", moves to neighbours only" if self.neighbours_only else ""
+        return f"ViewpointMap: {len(self.chosen)} viewpoints of {points}{moves}"
+
+    def _header(self) -> list[str]:
+        return ["viewpoint", "azimuth", "elevation", *(f"to {name}" for name in self.names)]
+
+    def _rows(self) -> list[list[str]]:
+        return [
+            [view.name, f"{view.azimuth:.1f}", f"{view.elevation:.1f}", *(f"{cost:g}" for cost in costs)]
+            for view, costs in zip(self.viewpoints, self.motion_cost.tolist(), strict=True)
+        ]
 
     @property
     def viewpoints(self) -> tuple[SphereViewpoint, ...]:

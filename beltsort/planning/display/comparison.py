@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from beltsort.planning.difference import CONFIDENCE, PairedStatistics
-from beltsort.planning.display.tables import box, caption, table
+from beltsort.util.html import box, caption, table
 from beltsort.util.text import text_table
 
 LATEX_SPECIAL = {character: f"\\{character}" for character in "&%$#_{}"} | {

@@ -16,8 +16,8 @@ from beltsort._core import (
 )
 from beltsort.planning.bins import Estimate
 from beltsort.planning.display.facts import Policy, certified, facts, objects_left, settings_of, sizes
-from beltsort.planning.display.tables import box, table
 from beltsort.planning.explanation import action_in_words
+from beltsort.util.html import box, table
 from beltsort.util.text import position_number
 
 MOST_ACTIONS = 12  # of a plan that are shown, the best first
