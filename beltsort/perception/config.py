@@ -5,10 +5,12 @@ from dataclasses import asdict, dataclass
 from typing import Literal, TypeAlias, get_args
 
 import beltsort
+from beltsort.util.naming import suggests_keywords
 
 Descriptor: TypeAlias = Literal["vfh", "vfh+size"]
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class PerceptionConfig:
     """How a scan becomes candidates, and a candidate a descriptor.

@@ -10,6 +10,7 @@ from beltsort.geometry import BeltLayout, Pose, SphereViewpoint
 from beltsort.sim.bulbs import CLASSES
 from beltsort.sim.rotations import rotation
 from beltsort.sim.sensor import Camera, SensorNoise
+from beltsort.util.naming import suggests_keywords
 
 TRAINING_OBJECTS = 40
 """Objects that a classifier is trained on, unless said otherwise, per class, viewpoint and position."""
@@ -18,6 +19,7 @@ TABLE_OBJECTS = 100
 """Independent objects, unless said otherwise, per row of the observation tables."""
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class Cup:
     """A conical cup; the height and radius of its rim are the belt layout's.
@@ -37,6 +39,7 @@ class Cup:
     wall: float = 0.003
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class PoseMix:
     """Distribution of the poses of objects in their cups, drawn once per object.
@@ -66,6 +69,7 @@ class PoseMix:
             )
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class ArmErrors:
     """Repeatability of the arm: standard deviations, per axis, of the camera's true pose about the reported.
@@ -92,6 +96,7 @@ class ArmErrors:
         return reported @ error
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class CellConfig:
     """Configuration of the simulated cell.

@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.errors import CellError
+from beltsort.util.naming import suggests_keywords
 
 Array = NDArray[np.float64]
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class Camera:
     """A pinhole camera with a pattern projector beside it.
@@ -50,6 +52,7 @@ class Camera:
         return np.stack([x * depth, y[:, None] * depth, depth], axis=-1)
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class SensorNoise:
     """Noise of a structured-light camera, with a surface model for glossy, translucent objects.

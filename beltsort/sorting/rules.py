@@ -4,8 +4,10 @@ from dataclasses import dataclass, field
 
 from beltsort._core import DEFAULT_MAX_LOOKS, MAX_IMPOSSIBLE_LABELS
 from beltsort.util.defaults import FALSE_ALARM
+from beltsort.util.naming import suggests_keywords
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class Rules:
     """Limits that keep the loop from running for ever.
@@ -41,6 +43,7 @@ class Rules:
     arrival_distance: float = 50.0
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class Drift:
     """Settings of drift detection: the test whether labels still follow the tables.

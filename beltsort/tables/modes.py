@@ -17,6 +17,7 @@ from beltsort.tables.intervals import dirichlet_intervals
 from beltsort.tables.repeated_looks import NONE, Array, Integers, RepeatedLooks
 from beltsort.util.defaults import UNIFORM_PRIOR
 from beltsort.util.extras import extra
+from beltsort.util.naming import suggests_keywords
 from beltsort.util.randomness import generator
 from beltsort.util.representation import short_repr
 
@@ -27,6 +28,7 @@ ENOUGH_LOOKS = 3  # looks at an object that identify its mode
 START_SPREAD = 4.0  # pseudo-looks of the random tables that EM starts from: the fewer, the farther apart
 
 
+@suggests_keywords
 @dataclass(frozen=True, eq=False)
 class ModeSettings:
     """How modes are fitted.

@@ -2,11 +2,15 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from functools import wraps
 from inspect import signature
 from operator import attrgetter
+from typing import TypeVar
 
 from beltsort import _core
 from beltsort._core import ArgumentError
+
+T = TypeVar("T")
 
 
 def index_of(text: str, names: Sequence[str], what: str) -> int:
@@ -82,5 +86,37 @@ def unknown_keyword(owner: str, unknown: Mapping[str, object]) -> str:
     "Threshold has no parameter 'tresh'; did you mean 'threshold'? Known: model, threshold, viewpoint"
     """
     parameters = [name for name in signature(attrgetter(owner)(_core)).parameters if name != "self"]
-    keyword = next(iter(unknown))
+    return _no_parameter(owner, next(iter(unknown)), parameters)
+
+
+def suggests_keywords(kind: type[T]) -> type[T]:
+    """Let a dataclass refuse a keyword that is no field of it with the nearest one that is, in a `TypeError`.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @suggests_keywords
+    ... @dataclass
+    ... class Size:
+    ...     width: float = 1.0
+    ...     height: float = 1.0
+    >>> Size(hight=2.0)
+    Traceback (most recent call last):
+    TypeError: Size has no parameter 'hight'; did you mean 'height'? Known: width, height
+    """
+    init = vars(kind)["__init__"]
+    parameters = [name for name in signature(init).parameters if name != "self"]
+
+    @wraps(init)
+    def checked(self: T, *given: object, **keywords: object) -> None:
+        for keyword in keywords:
+            if keyword not in parameters:
+                raise TypeError(_no_parameter(kind.__name__, keyword, parameters))
+        init(self, *given, **keywords)
+
+    type.__setattr__(kind, "__init__", checked)  # an assignment would have to be of the same type
+    return kind
+
+
+def _no_parameter(owner: str, keyword: str, parameters: Sequence[str]) -> str:
     return f"{owner} has no parameter {keyword!r}; {nearest_of(keyword, parameters)}"

@@ -6,11 +6,13 @@ import numpy as np
 
 from beltsort import ArgumentError
 from beltsort.geometry import Points
+from beltsort.util.naming import suggests_keywords
 
 METHODS = ("fibonacci", "uniform")
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 
 
+@suggests_keywords
 @dataclass(frozen=True)
 class Sampling:
     """How the half-sphere is sampled.
