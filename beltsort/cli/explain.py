@@ -1,6 +1,7 @@
 """`beltsort explain`: explain an action of a run."""
 
 from argparse import Namespace
+from collections.abc import Sequence
 
 from beltsort._core import DEFAULT_TREE_DEPTH
 from beltsort.cli.arguments import Subparsers, add_json
@@ -9,16 +10,18 @@ from beltsort.cli.show import add_run
 from beltsort.planning.display.text import belief_lines
 from beltsort.planning.explanation import action_in_words, chosen_part, explain, tree_in_names
 from beltsort.sorting.audit import (
-    ObjectHistory,
     Step,
     entries_of,
     incidents_of,
-    object_history,
     step_of,
+    steps_of,
 )
 from beltsort.sorting.entries import Decided, Skipped
 from beltsort.sorting.entry_text import EntryFormatter
-from beltsort.util.text import counted, position_number
+from beltsort.sorting.journal import Entry
+from beltsort.sorting.object_history import ObjectHistory, object_history, objects_in_words
+from beltsort.sorting.progress import Progress
+from beltsort.util.text import counted, position_number, ranges
 
 EXAMPLE = "beltsort explain runs/2026-01-31T12-00-00.000000Z --object 3"
 
@@ -29,10 +32,11 @@ def add_parser(subparsers: Subparsers) -> None:
         "explain",
         help="explain an action or a decision of a run",
         description="Print the belief at one planner step of a run, and why its action was chosen; or all "
-        "looks at one object with the belief after each, and why it was decided as it was.",
+        "looks at one object with the belief after each, and why it was decided as it was. Without --step "
+        "and --object, print what can be explained.",
     )
     add_run(parser)
-    what = parser.add_mutually_exclusive_group(required=True)
+    what = parser.add_mutually_exclusive_group()
     what.add_argument("--step", type=int, metavar="N", help="planner step, from 1")
     what.add_argument(
         "--object", type=int, metavar="N", help="number of an object, as `beltsort show` prints it"
@@ -57,13 +61,19 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: Namespace) -> int:
     """Find the step or the object, plan again from the belief, and print."""
     entries = entries_of(arguments.folder)
+    if arguments.object is None and arguments.step is None:
+        if arguments.json:
+            print_json(run_as_json(entries))
+        else:
+            show_run(entries, arguments.depth)
+        return 0
     if arguments.object is not None:
         history = object_history(entries, arguments.object)
         if arguments.json:
             told = object_as_json(history, arguments.depth, whole_tree=arguments.whole_tree)
             print_json({"object": arguments.object, **told})
         else:
-            show_object(history, arguments.object, arguments.depth)
+            show_object(history, arguments.depth)
         return 0
     step = step_of(entries, arguments.step)
     failures = list(incidents_of(entries, step))
@@ -80,6 +90,46 @@ def run(arguments: Namespace) -> int:
         for entry in failures:
             print(f"  {formatter.format(entry)}")
     return 0
+
+
+def run_as_json(entries: Sequence[Entry]) -> dict[str, object]:
+    """Return what can be explained as plain data: numbers of objects and of planner steps."""
+    progress, steps = Progress.after(entries), [step.number for step in steps_of(entries)]
+    decided = [decision.object for decision in progress.decisions]
+    return {
+        "first_object": progress.first,
+        "objects": progress.objects,
+        "at_belt_end": progress.index,
+        "decided": decided,
+        "skipped": progress.skipped,
+        "passed": progress.passed,
+        "steps": sorted(set(steps)),
+        "last_decided": decided[-1] if decided else None,
+    }
+
+
+def show_run(entries: Sequence[Entry], depth: int) -> None:
+    """Print which objects and steps can be explained, and explain the last decision."""
+    progress, steps = Progress.after(entries), [step.number for step in steps_of(entries)]
+    print(f"The run sorts {objects_in_words(progress)}.")
+    groups = {
+        "decided": [decision.object for decision in progress.decisions],
+        "empty cups": progress.skipped,
+        "passed the belt end unsorted": progress.passed,
+    }
+    for what, numbers in groups.items():
+        if numbers:
+            print(f"  {what}: {ranges(numbers)}")
+    if progress.index < progress.end:
+        print(f"  at the belt end: {progress.index}")
+    if not steps:
+        print("It has taken no planner step yet.")
+        return
+    print(f"Its planner steps are {ranges(steps)}.")
+    print("`--object N` explains what became of an object, `--step N` one step.")
+    if progress.decisions:
+        print("\nThe last decision:")
+        show_object(object_history(entries, progress.decisions[-1].object), depth)
 
 
 def as_json(step: Step, depth: int, *, whole_tree: bool) -> dict[str, object]:
@@ -162,10 +212,10 @@ def object_as_json(history: ObjectHistory, depth: int, *, whole_tree: bool) -> d
     return {"looks": looks, "outcome": outcome, "decision_step": why}
 
 
-def show_object(history: ObjectHistory, number: int, depth: int) -> None:
+def show_object(history: ObjectHistory, depth: int) -> None:
     """Print the looks at an object, and why it was decided as it was."""
     model = history.model
-    print(f"Object {number}, {counted(len(history.looks), 'look')}. Belief after each:")
+    print(f"Object {history.number}, {counted(len(history.looks), 'look')}. Belief after each:")
     rows = [
         [
             str(look.step),
@@ -186,7 +236,7 @@ def show_object(history: ObjectHistory, number: int, depth: int) -> None:
         case Skipped():
             print("\nIts cup was skipped as empty.")
         case None:
-            print("\nIt has not been decided.")
+            print(f"\n{history.undecided}")
     if history.step is not None:
         print(f"Step {history.step.number}: ", end="")
         show_reason(history.step, depth)

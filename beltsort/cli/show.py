@@ -7,7 +7,7 @@ from pathlib import Path
 
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_status
-from beltsort.sorting.audit import entries_of, write_csv
+from beltsort.sorting.audit import entries_of, with_steps, write_csv
 from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.progress import Progress
@@ -21,7 +21,8 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "show",
         help="print a run",
-        description="Print the events of a run, which may still be in progress.",
+        description="Print the events of a run, which may still be in progress. The numbers in front are "
+        "planner steps, as `beltsort explain --step` takes them and `beltsort watch` shows them.",
     )
     add_run(parser)
     parser.add_argument("--csv", type=Path, metavar="FILE", help="also write all entries to a CSV file")
@@ -56,7 +57,7 @@ def run(arguments: Namespace) -> int:
                 "skipped": progress.skipped,
                 "drift": [alarm.to_dict() for alarm in progress.drift.alarms],
                 "pose_faults": progress.pose_faults,
-                "entries": [entry.plain() for entry in entries],
+                "entries": [{**entry.plain(), "step": step} for entry, step in with_steps(entries)],
             }
         )
     else:
@@ -67,10 +68,11 @@ def run(arguments: Namespace) -> int:
 def show(entries: Sequence[Entry], progress: Progress) -> None:
     """Print a line for each displayed entry, and the progress of the run."""
     formatter = EntryFormatter()
-    for entry in entries:
+    print("  step  time (UTC)")
+    for entry, step in with_steps(entries):
         line = formatter.format(entry)
         if line is not None:
-            print(f"{entry.number:>6}  {entry.time[:19].replace('T', ' ')}  {line}")
+            print(f"{step or '':>6}  {entry.time[:19].replace('T', ' ')}  {line}")
     done = f"{len(progress.decisions)} sorted, {len(progress.skipped)} empty"
     if progress.drift.alarms:
         print(f"{len(progress.drift.alarms)} drift alarms: labels no longer fit the observation tables")

@@ -147,7 +147,7 @@ def _branch_lines(model: SortingModel, action: TreeAction, depth: int, indent: s
         node = branch["node"]
         best = max(node["actions"], key=lambda action: action["value"], default=None)
         line = f"{indent}{_posterior(model, branch)}"
-        if depth > 1:
+        if depth > 1 and node["belief"]:
             line += (
                 ", not searched further"
                 if best is None
@@ -163,6 +163,8 @@ def _branch_lines(model: SortingModel, action: TreeAction, depth: int, indent: s
 
 def _posterior(model: SortingModel, branch: TreeBranch) -> str:
     """Return the labels of a branch, and the most likely class at the belt end after them."""
+    if not branch["node"]["belief"]:
+        return "no object is left"
     row = branch["node"]["belief"][0]
     named, percent = likeliest_in_words(row, model.classes), _percent(max(row))
     most_likely = f"{percent} {named}" if named in model.classes else f"{named}, {percent} each"

@@ -26,6 +26,7 @@ from beltsort.sorting.entries import (
 from beltsort.sorting.journal import Entry, read_journal
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.progress import Progress, model_of
+from beltsort.sorting.rules import forced_in_words
 
 COLUMNS = ("number", "time", "kind", "object", "data")
 
@@ -75,11 +76,11 @@ class Step:
     def reason(self) -> str | None:
         """Why a rule chose, in words; None if the policy did."""
         match self.choice:
-            case Decided(forced=forced):
-                return f"forced by {forced}"
+            case Decided(forced=str(rule)):
+                return forced_in_words(rule)
             case Chosen(why=why):
                 return why
-            case Planned():
+            case Planned() | Decided():
                 return None
 
     def plan_again(self) -> Plan | None:
@@ -194,89 +195,18 @@ def step_of(entries: Sequence[Entry], number: int) -> Step:
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class Look:
-    """A look at one object.
-
-    Attributes
-    ----------
-    entry
-        The scan.
-    step
-        The planner step of the scan.
-    viewpoint, position
-        Indices of where the camera was, and of the object's position: 0 is the belt end.
-    label
-        Index of the label, or None if the object got none.
-    finding
-        What perception found there.
-    belief
-        Probability of each class after the look, shape (L,).
-    """
-
-    entry: Entry
-    step: int
-    viewpoint: int
-    position: int
-    label: int | None
-    finding: str
-    belief: list[float]
-
-
-@dataclass(frozen=True, eq=False)
-class ObjectHistory:
-    """What is known of one object of a run.
-
-    Attributes
-    ----------
-    model
-        The model of the run.
-    looks
-        All looks at the object, in order.
-    outcome
-        Its decision, or that its cup was skipped as empty; None if it has not come to that.
-    step
-        The planner step that chose the decision; None if there is none.
-    """
-
-    model: SortingModel
-    looks: list[Look]
-    outcome: Decided | Skipped | None
-    step: Step | None
-
-
-def object_history(entries: Sequence[Entry], number: int) -> ObjectHistory:
-    """Return the looks at an object, and its decision.
-
-    Raises
-    ------
-    JournalError
-        If no entry is about this object; the error names those that it has.
-    """
-    progress = Progress.at_start(model_of(entries))
-    looks: list[Look] = []
-    outcome: Decided | Skipped | None = None
-    seen: set[int] = set()
+def with_steps(entries: Sequence[Entry]) -> Iterator[tuple[Entry, int | None]]:
+    """Yield each entry; a look or a decision with the number of its planner step, others with None."""
+    if not entries:
+        return
+    reader = StepReader(model_of(entries))
     for entry in entries:
-        content = entry.content
-        if isinstance(content, Decided | Skipped) and progress.index == number:
-            outcome = content
-        progress.apply(entry)
-        if isinstance(content, Scanned):
-            seen.update(range(progress.index, progress.index + progress.model.positions))
-            position = number - progress.index
-            if 0 <= position < progress.model.positions:
-                found = content.labels[position], content.findings[position]
-                belief = progress.belief.probabilities[position].tolist()
-                looks.append(Look(entry, progress.steps, content.viewpoint, position, *found, belief))
-        elif isinstance(content, Decided | Skipped):
-            seen.add(entry.object if entry.object is not None else progress.index)
-    if number not in seen:
-        known = f"objects {min(seen)} to {max(seen)}" if seen else "no objects"
-        raise JournalError(f"there is no object {number}; the journal has {known}")
-    chosen = [step for step in steps_of(entries) if step.entry.object == number]
-    decided = bool(chosen) and isinstance(outcome, Decided) and isinstance(chosen[-1].action, Decide)
-    return ObjectHistory(progress.model, looks, outcome, chosen[-1] if decided else None)
+        reader.read(entry)
+        match entry.content:
+            case Scanned() | ScanUnusable() | ScanElsewhere() | Decided() | Skipped(decided=True):
+                yield entry, reader.progress.steps or None
+            case _:
+                yield entry, None
 
 
 def incidents_of(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:

@@ -27,6 +27,7 @@ from beltsort.sorting.entries import (
     StateChanged,
 )
 from beltsort.sorting.journal import Entry
+from beltsort.sorting.rules import forced_in_words
 from beltsort.util.text import counted, position_number
 
 EXCEPTION = re.compile(r"""\w+\((['"].*['"])\)""", re.DOTALL)
@@ -179,7 +180,7 @@ class EntryFormatter:
 
     def _decision(self, decided: Decided) -> str:
         what = "reject" if decided.label is None else f"decide {self.bins[decided.label]}"
-        forced = f", forced by {decided.forced}" if decided.forced else ""
+        forced = f", forced: {forced_in_words(decided.forced)}" if decided.forced else ""
         self._shift()
         return f"{what}  (belief {decided.belief:.3f}, {counted(decided.looks, 'look')}{forced})"
 

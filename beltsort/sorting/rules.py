@@ -43,6 +43,24 @@ class Rules:
     arrival_distance: float = 50.0
 
 
+FORCED = {
+    "max_looks": "it has had as many looks as max_looks allows",
+    "impossible_labels": "its last labels were impossible under the belief",
+}
+"""Why a rule decides about an object in the policy's place, by the name of the rule."""
+
+
+def forced_in_words(rule: str) -> str:
+    """Return why a rule decided about an object.
+
+    Examples
+    --------
+    >>> forced_in_words("max_looks")
+    'it has had as many looks as max_looks allows'
+    """
+    return FORCED.get(rule, rule)
+
+
 @suggests_keywords
 @dataclass(frozen=True)
 class Drift:

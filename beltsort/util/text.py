@@ -57,3 +57,20 @@ def position_number(index: int) -> str:
     'position 1 is the belt end'
     """
     return str(index + 1)
+
+
+def ranges(numbers: Sequence[int]) -> str:
+    """Return numbers, in ascending order, with those that follow each other as ranges.
+
+    Examples
+    --------
+    >>> ranges([0, 1, 2, 4, 6, 7])
+    '0 to 2, 4, 6, 7'
+    """
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        elif not runs or number != runs[-1][-1]:
+            runs.append([number])
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)

@@ -7,8 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from beltsort import Decide
+from beltsort.cli.explain import show_run
+from beltsort.errors import JournalError
 from beltsort.sorting.audit import steps_of
 from beltsort.sorting.journal import read_journal
+from beltsort.sorting.object_history import object_history
 from beltsort.sorting.report import SortingReport
 from tests.sorting.killed_run import OBJECTS, run
 
@@ -31,6 +35,18 @@ def test_show_tells_what_was_decided(sorted_run: tuple[Path, SortingReport]) -> 
     told = json_of("show", str(folder / "journal.sqlite"))
     assert [decision["label"] for decision in told["decisions"]] == [d.label for d in report.decisions]
     assert [entry["number"] for entry in told["entries"]] == list(range(1, len(told["entries"]) + 1))
+
+
+def test_show_numbers_looks_and_decisions_by_planner_step(sorted_run: tuple[Path, SortingReport]) -> None:
+    folder, report = sorted_run
+    text = output("show", str(folder))
+    numbered = re.findall(r"^ +(\d+)  .*object +\d+  (look|decide) ", text, re.MULTILINE)
+    assert [int(number) for number, _ in numbered] == list(range(1, report.steps + 1))
+    actions = [step.action for step in steps_of(read_journal(folder / "journal.sqlite"))]
+    assert [what == "decide" for _, what in numbered] == [isinstance(action, Decide) for action in actions]
+    told = json_of("show", str(folder))["entries"]
+    assert [e["step"] for e in told if e["kind"] in ("scan", "decision")] == [int(n) for n, _ in numbered]
+    assert {e["step"] for e in told if e["kind"] not in ("scan", "decision")} == {None}
 
 
 def test_a_folder_of_runs_stands_for_the_newest(
@@ -111,3 +127,47 @@ def test_an_object_that_the_run_does_not_have(sorted_run: tuple[Path, SortingRep
     done = command("explain", str(sorted_run[0]), "--object", "99")
     assert done.returncode == 2
     assert re.search(r"there is no object 99; the journal has objects 0 to \d+", done.stderr)
+    assert f"the run sorts {OBJECTS} objects, numbered 0 to {OBJECTS - 1}" in done.stderr
+
+
+def test_explain_says_what_can_be_explained(sorted_run: tuple[Path, SortingReport]) -> None:
+    folder, report = sorted_run
+    text = output("explain", str(folder))
+    assert text.startswith("The run sorts 10 objects, numbered 0 to 9.\n  decided: 0 to 9\n")
+    assert f"Its planner steps are 1 to {report.steps}.\n" in text
+    assert text.endswith(output("explain", str(folder), "--object", "9"))
+    told = json_of("explain", str(folder))
+    assert (told["objects"], told["decided"], told["last_decided"]) == (10, list(range(10)), 9)
+    assert told["steps"] == list(range(1, report.steps + 1))
+
+
+def test_an_object_behind_the_last_one(sorted_run: tuple[Path, SortingReport]) -> None:
+    text = output("explain", str(sorted_run[0]), "--object", str(OBJECTS))
+    assert "It is behind the last object of this run, which sorts 10 objects, numbered 0 to 9" in text
+
+
+def test_an_object_that_is_undecided(sorted_run: tuple[Path, SortingReport]) -> None:
+    entries = read_journal(sorted_run[0] / "journal.sqlite")
+    first = next(i for i, entry in enumerate(entries) if entry.kind == "scan")
+    begun = entries[: first + 1]
+    assert object_history(begun, 0).undecided == "It has not been decided: it is at the belt end."
+    behind = object_history(begun, 1).undecided
+    assert behind == "It has not been decided: it is at position 2, object 0 at the belt end."
+    with pytest.raises(JournalError, match=r"no object 5; .* not been seen yet, object 0 is at the belt end"):
+        object_history(begun, 5)
+
+
+def test_before_the_first_step(
+    sorted_run: tuple[Path, SortingReport], capsys: pytest.CaptureFixture[str]
+) -> None:
+    show_run(read_journal(sorted_run[0] / "journal.sqlite")[:2], depth=1)
+    assert capsys.readouterr().out.splitlines() == [
+        "The run sorts 10 objects, numbered 0 to 9.",
+        "  at the belt end: 0",
+        "It has taken no planner step yet.",
+    ]
+
+
+def test_after_the_last_decision_no_object_is_left(sorted_run: tuple[Path, SortingReport]) -> None:
+    text = output("explain", str(sorted_run[0]), "--object", str(OBJECTS - 1))
+    assert text.endswith("', most likely:\n  no object is left\n")
