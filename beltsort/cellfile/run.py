@@ -23,7 +23,7 @@ from beltsort.sorting.call_log import CallLog
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listeners, listeners_of
 from beltsort.sorting.journal_files import JOURNAL
-from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper, all_of
+from beltsort.sorting.kept_scans import ScanKeeper, all_of
 from beltsort.sorting.locks import devices_locked, locked
 from beltsort.sorting.loop import Check, nothing, resume_sorting
 from beltsort.sorting.progress import Progress
@@ -140,7 +140,9 @@ class CellRun:
                     drift=description.drift,
                     check=check,
                     requests=requests,
-                    scan_listener=all_of(ScanKeeper(self.folder / LAST_SCAN, self.cell), scan_listener),
+                    scan_listener=all_of(
+                        ScanKeeper(self.folder, self.cell, description.rules.kept_scans), scan_listener
+                    ),
                 )
         first = self._first_object()
         check_ready(self.cell)

@@ -20,7 +20,7 @@ from beltsort.rrd.blueprint import arranged
 from beltsort.rrd.package import load_rerun
 from beltsort.sorting.entries import Chosen, Decided, Planned, Scanned, Skipped, StateChanged
 from beltsort.sorting.journal import Entry
-from beltsort.sorting.last_scan import TellsCandidate
+from beltsort.sorting.kept_scans import TellsCandidate
 from beltsort.sorting.perceived import PerceivedPosition
 from beltsort.util.text import position_number
 

@@ -2,7 +2,7 @@
 
 import shutil
 import sqlite3
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,12 +11,12 @@ from beltsort.sorting.audit import journal_of
 from beltsort.sorting.call_log import calls_in
 from beltsort.sorting.journal import read_journal
 from beltsort.sorting.journal_files import JOURNAL, copied, full_files, open_to_read, replaced, transaction
-from beltsort.sorting.last_scan import LAST_SCAN
+from beltsort.sorting.kept_scans import SCANS, kept_scans, scan_file
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.runs import MODEL, POLICY, TRUTH
 
 PART = ".part"
-OTHERS = (MODEL, POLICY, TRUTH, LAST_SCAN)
+OTHERS = (MODEL, POLICY, TRUTH)
 """Files of a run's folder that are copied as they are; each is replaced as a whole where it is written."""
 
 
@@ -78,6 +78,7 @@ def backup_run(run: Path, target: Path) -> Backup:
             for file in [*(journal.parent / name for name in OTHERS), *calls_in(journal.parent)]:
                 if file.exists():
                     shutil.copy2(file, part / file.name)
+            _copy_scans(journal.parent, part)
         backup = _checked(copy, target / JOURNAL if whole else target)
         replaced(part, target)
     except (OSError, sqlite3.Error) as reason:
@@ -109,6 +110,16 @@ def _copy_journal(journal: Path, copy: Path) -> None:
             with closing(open_to_read(file)) as full, transaction(target):
                 rows = full.execute("SELECT * FROM entries")
                 target.executemany("INSERT OR IGNORE INTO entries VALUES (?, ?, ?, ?, ?)", rows)
+
+
+def _copy_scans(run: Path, part: Path) -> None:
+    """Copy the scans that a run keeps; one that it drops meanwhile is left out."""
+    kept = kept_scans(run)
+    if kept:
+        (part / SCANS).mkdir()
+    for entry in kept:
+        with suppress(FileNotFoundError):
+            shutil.copy2(scan_file(run, entry), scan_file(part, entry))
 
 
 def _checked(copy: Path, path: Path) -> Backup:

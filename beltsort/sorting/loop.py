@@ -20,7 +20,7 @@ from beltsort.sorting.commander import Commander
 from beltsort.sorting.entries import Drifted, Ended, Requested, Resumed, Started, State, StateChanged
 from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
 from beltsort.sorting.journal import Journal
-from beltsort.sorting.last_scan import ScanListener
+from beltsort.sorting.kept_scans import ScanListener
 from beltsort.sorting.observing import Observer
 from beltsort.sorting.perceived import NamesLabels, Perceive, PerceivedPosition
 from beltsort.sorting.progress import Next, Progress

@@ -10,7 +10,7 @@ from beltsort.sorting.entries import ScanElsewhere, Scanned, ScanUnusable, Unhea
 from beltsort.sorting.entry_format import plain_belief
 from beltsort.sorting.holds import HeldError, Hold
 from beltsort.sorting.journal import Entry
-from beltsort.sorting.last_scan import ScanListener
+from beltsort.sorting.kept_scans import ScanListener
 from beltsort.sorting.perceived import LabelNumbers, Perceive, PerceivedPosition, pose_fault_of
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record

@@ -10,7 +10,7 @@ from beltsort.util.naming import suggests_keywords
 @suggests_keywords
 @dataclass(frozen=True)
 class Rules:
-    """Limits that keep the loop from running for ever.
+    """Limits of the loop, which keep it from running for ever, and of what a run keeps.
 
     Attributes
     ----------
@@ -32,6 +32,9 @@ class Rules:
         Largest deviation, degrees and millimetres, of a scan's camera pose from the viewpoint's, if both are
         known. After a larger one the arm is sent there again; after a second one the run is held. Choose more
         than the errors of arm and taught poses, and less than the difference between two viewpoints.
+    kept_scans
+        Number of scans, the latest, that stay in the run's folder for `beltsort watch`, thinned out to about
+        20 kB each; 0 for none.
     """
 
     max_looks: int = DEFAULT_MAX_LOOKS
@@ -41,6 +44,7 @@ class Rules:
     retry_delays: tuple[float, ...] = (0.2, 1.0, 5.0, 15.0)
     arrival_angle: float = 5.0
     arrival_distance: float = 50.0
+    kept_scans: int = 1000
 
 
 FORCED = {

@@ -13,7 +13,7 @@ from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
 from beltsort.sorting.journal import Journal, Listeners
 from beltsort.sorting.journal_files import JOURNAL
-from beltsort.sorting.last_scan import LAST_SCAN, ScanKeeper, ScanListener, all_of
+from beltsort.sorting.kept_scans import ScanKeeper, ScanListener, all_of
 from beltsort.sorting.loop import Check, nothing, sort_objects
 from beltsort.sorting.perceived import Perceive
 from beltsort.sorting.report import Decision, SortingReport
@@ -65,11 +65,12 @@ def sort_into(
     requests: Path | None = None,
     scan_listener: ScanListener | None = None,
 ) -> SortingReport:
-    """Sort the next objects of the belt; model, journal and last scan are kept in an existing folder.
+    """Sort the next objects of the belt; model, journal and latest scans are kept in an existing folder.
 
     Parameters, returns and raises as `beltsort.sorting.loop.sort_objects`; `listeners` are called with every
     entry of the journal.
     """
+    rules = rules or Rules()
     model.save(folder / MODEL)
     with Journal(folder / JOURNAL, listeners) as journal:
         return sort_objects(
@@ -82,7 +83,7 @@ def sort_into(
             drift=drift,
             check=check,
             requests=requests,
-            scan_listener=all_of(ScanKeeper(folder / LAST_SCAN, cell), scan_listener),
+            scan_listener=all_of(ScanKeeper(folder, cell, rules.kept_scans), scan_listener),
         )
 
 

@@ -108,7 +108,7 @@ class _Handler(BaseHTTPRequestHandler):
         address = urlsplit(self.path)
         answers: dict[str, Callable[[int | None], dict[str, object]]] = {
             "/api/state": lambda step: as_json(self.server.watcher.state(step)),
-            "/api/scene": lambda _step: as_json(self.server.watcher.scene()),
+            "/api/scene": lambda step: as_json(self.server.watcher.scene(step)),
             "/api/explanation": lambda step: {"text": self.server.watcher.explanation(step or 0)},
         }
         if address.path in self.server.page:

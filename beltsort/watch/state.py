@@ -140,10 +140,7 @@ def state_of(
         If the step is not among those kept.
     """
     progress, model, moments = history.progress, history.progress.model, history.moments
-    if step is not None and step not in moments:
-        kept = f"steps {min(moments)} to {max(moments)}" if moments else "no steps"
-        raise JournalError(f"there is no step {step}; there are {kept}")
-    moment = history.now() if step is None else moments[step]
+    moment = moment_of(history, step)
     updated = history.now().time
     return RunView(
         run=progress.run,
@@ -173,6 +170,23 @@ def state_of(
             tally=_tally(history, moment, true or {}),
         ),
     )
+
+
+def moment_of(history: RunHistory, step: int | None) -> Moment:
+    """Return a run before a planner step, or as it is now.
+
+    Raises
+    ------
+    JournalError
+        If the step is not among those kept.
+    """
+    moments = history.moments
+    if step is None:
+        return history.now()
+    if step not in moments:
+        kept = f"steps {min(moments)} to {max(moments)}" if moments else "no steps"
+        raise JournalError(f"there is no step {step}; there are {kept}")
+    return moments[step]
 
 
 def _positions(history: RunHistory, moment: Moment) -> list[PositionView]:

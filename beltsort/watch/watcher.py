@@ -1,7 +1,7 @@
-"""Follows one run: its journal, its last scan, and requests to hold it."""
+"""Follows one run: its journal, the scans that it keeps, and requests to hold it."""
 
 import threading
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -11,11 +11,11 @@ from beltsort.errors import JournalError
 from beltsort.planning.explanation import explain
 from beltsort.sorting.audit import journal_of
 from beltsort.sorting.journal import entries_after, read_journal
-from beltsort.sorting.last_scan import LAST_SCAN, KeptScan
+from beltsort.sorting.kept_scans import SCANS, KeptScan, kept_scans, scan_file
 from beltsort.sorting.requests import Action, Request, is_token, read_request, takes_requests, write_request
 from beltsort.sorting.runs import read_true_classes
 from beltsort.watch.history import RunHistory
-from beltsort.watch.state import RunView, state_of
+from beltsort.watch.state import RunView, moment_of, state_of
 
 
 @dataclass(frozen=True)
@@ -31,23 +31,29 @@ class Watched:
     request
         The request that stands.
     kept_scan
-        Number of the journal entry of the scan that is kept; None if there is none.
+        Number of the journal entry of the last scan at the moment shown, if the run keeps it; else None.
+    kept_scans
+        Number of scans that the run keeps.
     """
 
     run: RunView
     takes_requests: bool
     request: Request | None
     kept_scan: int | None
+    kept_scans: int
 
 
 @dataclass(frozen=True)
 class SceneView:
-    """The kept scan; lengths in millimetres, belt frame.
+    """The last scan at the moment shown; lengths in millimetres, belt frame.
 
     Attributes
     ----------
     entry
-        Number of its journal entry.
+        Number of its journal entry; None if the run does not keep it. Then there are no points, and camera,
+        viewpoints and layout are those of another scan.
+    missing
+        Why it is not kept; empty if it is.
     points
         x, y, z of one point after the other.
     positions
@@ -60,7 +66,8 @@ class SceneView:
         Number of belt positions, their spacing, height and radius of a cup's rim.
     """
 
-    entry: int
+    entry: int | None
+    missing: str
     points: list[int]
     positions: list[int]
     camera: list[list[float]]
@@ -103,12 +110,13 @@ class Watcher:
         with self._lock:
             self._history.read(entries_after(self.journal, self._history.last_entry))
             run = state_of(self._history, step, self._true)
-        scan = self._scan()
+        scan, kept = run.moment.scan, kept_scans(self.folder)
         return Watched(
             run,
             takes_requests(self.folder),
             read_request(self.folder),
-            None if scan is None else scan.entry,
+            scan.entry if scan is not None and scan.entry in kept else None,
+            len(kept),
         )
 
     def explanation(self, step: int) -> str:
@@ -121,29 +129,32 @@ class Watcher:
         """
         return self._explained(step)
 
-    def scene(self) -> SceneView:
-        """Return the scan that is kept.
+    def scene(self, step: int | None = None) -> SceneView:
+        """Return the last scan before a planner step, or as it is now, if the run keeps it.
 
         Raises
         ------
         JournalError
-            If there is none.
+            If the run keeps no scan, or there is no such step.
         """
-        scan = self._scan()
-        if scan is None:
-            raise JournalError(f"{self.folder / LAST_SCAN} does not exist: this run has kept no scan yet")
-        eyes = [pose[:3, 3] for pose in scan.viewpoints]
-        layout = scan.layout
-        return SceneView(
-            scan.entry,
-            np.rint(1000.0 * scan.points).astype(int).ravel().tolist(),
-            scan.positions.tolist(),
-            [(1000.0 * scan.camera[:3, 3]).round(1).tolist(), scan.camera[:3, 2].round(4).tolist()],
-            [(1000.0 * eye).round(1).tolist() if np.isfinite(eye).all() else None for eye in eyes],
-            [
-                layout.positions,
-                *(1000.0 * length for length in (layout.spacing, layout.rim_height, layout.rim_radius)),
-            ],
+        with self._lock:
+            scan = moment_of(self._history, step).scan
+        kept = kept_scans(self.folder)
+        if not kept:
+            raise JournalError(f"{self.folder / SCANS} is empty: this run has kept no scan yet")
+        if scan is not None and scan.entry in kept:
+            try:
+                return _scene(KeptScan.load(scan_file(self.folder, scan.entry)))
+            except JournalError as error:
+                missing = str(error)
+        else:
+            missing = _why_not_kept(None if scan is None else scan.entry, kept)
+        return replace(
+            _scene(KeptScan.load(scan_file(self.folder, kept[-1]))),
+            entry=None,
+            missing=missing,
+            points=[],
+            positions=[],
         )
 
     def may_request(self, token: str) -> bool:
@@ -162,12 +173,6 @@ class Watcher:
         write_request(self.folder, request)
         return request
 
-    def _scan(self) -> KeptScan | None:
-        try:
-            return KeptScan.load(self.folder / LAST_SCAN)
-        except JournalError:
-            return None
-
     def _explain(self, number: int) -> str:
         with self._lock:
             moment = self._history.moments.get(number)
@@ -180,6 +185,32 @@ class Watcher:
         if plan is None:
             return "It was chosen by a policy that returns no action values."
         return explain(step.model, plan)
+
+
+def _scene(scan: KeptScan) -> SceneView:
+    eyes, layout = [pose[:3, 3] for pose in scan.viewpoints], scan.layout
+    return SceneView(
+        scan.entry,
+        "",
+        np.rint(1000.0 * scan.points).astype(int).ravel().tolist(),
+        scan.positions.tolist(),
+        [(1000.0 * scan.camera[:3, 3]).round(1).tolist(), scan.camera[:3, 2].round(4).tolist()],
+        [(1000.0 * eye).round(1).tolist() if np.isfinite(eye).all() else None for eye in eyes],
+        [
+            layout.positions,
+            *(1000.0 * length for length in (layout.spacing, layout.rim_height, layout.rim_radius)),
+        ],
+    )
+
+
+def _why_not_kept(entry: int | None, kept: list[int]) -> str:
+    """Say why a scan is not among those kept, given the numbers of their entries in order."""
+    if entry is None:
+        return "there was no scan before this step"
+    if entry < kept[0]:
+        latest = "the latest scan" if len(kept) == 1 else f"the latest {len(kept)} scans"
+        return f"the cloud of this scan is no longer kept: the run keeps {latest}"
+    return "the cloud of this scan is not kept"
 
 
 def as_json(view: Watched | SceneView) -> dict[str, object]:

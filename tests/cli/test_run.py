@@ -20,7 +20,7 @@ from beltsort.perception import LabelRule, NearestNeighbour
 from beltsort.sim import CellConfig
 from beltsort.sim.prepare import Prepared, Recipe
 from beltsort.sorting.journal import entries_after, read_journal
-from beltsort.sorting.last_scan import LAST_SCAN, KeptScan
+from beltsort.sorting.kept_scans import KeptScan, kept_scans, scan_file
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.requests import TOKEN, Request, read_token, write_request
 from beltsort.sorting.runs import read_true_classes
@@ -91,7 +91,7 @@ def test_a_run_can_be_held_and_continued(folder: Path, capsys: pytest.CaptureFix
     run = folder / "runs" / answered[0]
     assert not (run / TOKEN).exists()
     assert read_true_classes(run).keys() == {0, 1}
-    assert KeptScan.load(run / LAST_SCAN).layout.positions == 2
+    assert KeptScan.load(scan_file(run, kept_scans(run)[-1])).layout.positions == 2
 
 
 def test_json_is_one_object_and_the_same_seed_gives_the_same_run(

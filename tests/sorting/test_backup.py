@@ -12,6 +12,7 @@ from beltsort.sorting.call_log import CALLS
 from beltsort.sorting.entries import Snapshot
 from beltsort.sorting.journal import Journal, read_journal
 from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.kept_scans import SCANS, kept_scans
 from beltsort.sorting.loop import resume_sorting
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.runs import MODEL, sort_into
@@ -38,9 +39,8 @@ def test_a_backup_has_all_entries_that_are_kept(tmp_path: Path) -> None:
     rotated(run, 2)
     backup = backup_run(run, tmp_path / "backups" / "monday")
     copy = tmp_path / "backups" / "monday"
-    assert sorted(file.name for file in copy.iterdir()) == sorted(
-        [f"{CALLS}.1", JOURNAL, MODEL, "last-scan.npz"]
-    )
+    assert sorted(file.name for file in copy.iterdir()) == sorted([f"{CALLS}.1", JOURNAL, MODEL, SCANS])
+    assert kept_scans(copy) == kept_scans(run) != []
     assert read_journal(copy / JOURNAL) == read_journal(run / JOURNAL)
     assert (backup.path, backup.first, backup.index) == (copy / JOURNAL, 1, 6)
     alone = backup_run(run, tmp_path / "journal-of-monday.sqlite")

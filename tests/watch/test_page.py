@@ -13,8 +13,11 @@ from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from beltsort.cli.exit_codes import WRONG
 from beltsort.planning.explanation import explain
+from beltsort.sim import CellConfig
 from beltsort.sorting.audit import entries_of, step_of, steps_of
+from beltsort.sorting.entries import Scanned
 from beltsort.sorting.journal import entries_after
+from beltsort.sorting.kept_scans import kept_scans, scan_file
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.requests import TOKEN, read_request, read_token, taking_requests
 from beltsort.watch import Watcher, WatchServer
@@ -171,6 +174,34 @@ def test_the_cloud_is_drawn_and_turned(finished: Path, browser: Browser) -> None
         page.mouse.up()
         for name, picture in zip(("cloud", "sphere"), before, strict=True):
             assert drawn(page, name) != picture
+
+
+def test_the_cloud_is_that_of_the_step(finished: Path, tmp_path: Path, browser: Browser) -> None:
+    shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
+    oldest, *_ = kept_scans(tmp_path)
+    scan_file(tmp_path, oldest).unlink()
+    with WatchServer(Watcher(tmp_path)) as server, opened(browser, server.url) as page:
+        names = CellConfig().viewpoints
+        entries = entries_of(tmp_path)
+        expect(page.locator("#scene-note")).to_contain_text("at the belt end")
+        pictures = {drawn(page, "cloud")}
+        scans = [entry for entry in entries if isinstance(entry.content, Scanned)]
+        for step in list(steps_of(entries))[-3:]:
+            scan = [entry for entry in scans if entry.number < step.entry.number][-1]
+            assert isinstance(scan.content, Scanned)
+            to_step(page, step.number)
+            where = f"from {names[scan.content.viewpoint].name}, object {scan.object} at the belt end"
+            expect(page.locator("#scene-note")).to_have_text(where)
+            pictures.add(drawn(page, "cloud"))
+        assert len(pictures) > 1
+        to_step(page, 1)
+        expect(page.locator("#scene-note")).to_have_text("there was no scan before this step")
+        to_step(page, 2)
+        expect(page.locator("#scene-note")).to_contain_text("is no longer kept: the run keeps the latest")
+        assert drawn(page, "cloud") not in pictures
+        page.locator("#now").click()
+        expect(page.locator("#scene-note")).to_contain_text("at the belt end")
+        assert drawn(page, "cloud") in pictures
 
 
 @pytest.mark.parametrize("width", [390, 800, 1280])

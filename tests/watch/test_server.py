@@ -2,6 +2,7 @@
 
 import http.client
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import pytest
 
 from beltsort.errors import JournalError
 from beltsort.sorting.audit import entries_of, step_of
-from beltsort.sorting.last_scan import LAST_SCAN, KeptScan
+from beltsort.sorting.kept_scans import KeptScan, kept_scans, scan_file
 from beltsort.sorting.requests import TOKEN, read_request, read_token, taking_requests
 from beltsort.watch import Watcher, WatchServer
 
@@ -76,6 +77,39 @@ def test_the_last_scan(server: WatchServer, finished: Path) -> None:
     assert scene["layout"] == [2, 180.0, 50.0, 40.0]
     scanned = [entry.number for entry in entries_of(finished) if entry.kind == "scan"]
     assert kept == scanned[-1]
+
+
+def test_the_scan_before_a_step(server: WatchServer, finished: Path) -> None:
+    now = json_of(server, "/api/scene")
+    for step in (1, 3, 6):
+        state, scene = json_of(server, f"/api/state?step={step}"), json_of(server, f"/api/scene?step={step}")
+        scan = state["run"]["moment"]["scan"]
+        assert state["kept_scan"] == scene["entry"] == (scan and scan["entry"])
+        assert (scene["missing"] == "") == (scan is not None) == (scene["points"] != [])
+        assert scene["layout"] == now["layout"]
+        if scan is not None:
+            kept = KeptScan.load(scan_file(finished, scan["entry"]))
+            assert len(kept.points) == len(scene["positions"])
+            assert scene["points"] != now["points"]
+    assert ask(server, "/api/scene?step=999")[0] == 404
+
+
+def test_a_scan_that_is_no_longer_kept(finished: Path, tmp_path: Path) -> None:
+    shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
+    for entry in kept_scans(finished)[:-2]:
+        scan_file(tmp_path, entry).unlink()
+    latest = scan_file(tmp_path, kept_scans(tmp_path)[-1])
+    with WatchServer(Watcher(tmp_path)) as server:
+        then, scene = json_of(server, "/api/state?step=2"), json_of(server, "/api/scene?step=2")
+        assert (then["kept_scan"], then["kept_scans"], scene["entry"], scene["points"]) == (None, 2, None, [])
+        assert (
+            scene["missing"] == "the cloud of this scan is no longer kept: the run keeps the latest 2 scans"
+        )
+        assert len(scene["viewpoints"]) == 3
+        assert json_of(server, "/api/scene?step=1")["missing"] == "there was no scan before this step"
+        assert json_of(server, "/api/scene")["missing"] == ""
+        latest.unlink()
+        assert json_of(server, "/api/scene")["missing"] == "the cloud of this scan is not kept"
 
 
 def test_a_run_without_a_scan(finished: Path, tmp_path: Path) -> None:
@@ -180,6 +214,14 @@ def test_watching_leaves_the_folder_as_it_is(finished: Path) -> None:
 
 
 def test_a_damaged_scan_is_no_scan(finished: Path, tmp_path: Path) -> None:
-    (tmp_path / LAST_SCAN).write_bytes((finished / LAST_SCAN).read_bytes()[:-100])
-    with pytest.raises(JournalError, match="the next scan replaces it"):
-        KeptScan.load(tmp_path / LAST_SCAN)
+    first, *_, last = kept_scans(finished)
+    for entry, content in ((first, b""), (last, scan_file(finished, last).read_bytes()[:-100])):
+        (tmp_path / "scan.npz").write_bytes(content)
+        with pytest.raises(JournalError, match=r"scan\.npz cannot be read as a scan .*delete it"):
+            KeptScan.load(tmp_path / "scan.npz")
+        shutil.copytree(finished, tmp_path / str(entry))
+        scan_file(tmp_path / str(entry), first).write_bytes(content)
+        with WatchServer(Watcher(tmp_path / str(entry))) as server:
+            scene = json_of(server, "/api/scene?step=2")
+        assert scene["entry"] is None
+        assert "cannot be read" in scene["missing"]

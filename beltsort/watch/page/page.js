@@ -9,7 +9,7 @@ const SILENT = 15; // seconds without an entry, after which a run that should go
 const FAILURE = 8000; // ms that the failure of a request is shown
 const EXPLAIN_AFTER = 200; // ms that a step is shown before it is explained
 
-const NO_SCAN = "none kept yet; `beltsort run` and `beltsort demo` keep the last one of a run";
+const NO_SCAN = "the run has kept no scan yet";
 
 const byId = (id) => document.getElementById(id);
 const scene = new Scene(byId("cloud"), byId("sphere"));
@@ -17,7 +17,8 @@ const explanations = new Map();
 const asked = new Set(); // steps whose explanation is under way
 let shown = null; // number of the step shown; null: the latest
 let latest = null; // last answer
-let cloud = null; // last answer about the scan
+let cloud = null; // last answer about a scan
+let cloudOf = ""; // the scan that it was asked for
 let lost = false;
 let explaining = 0;
 let failure = { text: "", until: 0 }; // of a request, shown for a while
@@ -188,7 +189,7 @@ function showScene({ viewpoints }, moment) {
   const here = scan != null && scan.entry === cloud.entry;
   byId("scene-note").textContent = here
     ? `from ${viewpoints[scan.viewpoint]}, object ${scan.object} at the belt end`
-    : "a run keeps the cloud of its last scan only";
+    : cloud.missing;
   scene.show({
     scene: cloud,
     cloud: here,
@@ -258,8 +259,12 @@ async function refresh() {
     const changed = lost || JSON.stringify(answer) !== JSON.stringify(latest);
     lost = false;
     latest = answer;
-    if (answer.kept_scan == null) cloud = { error: NO_SCAN };
-    else if (answer.kept_scan !== cloud?.entry) await fetchScene();
+    const scan = JSON.stringify([answer.run.moment.scan?.entry, answer.kept_scan, answer.kept_scans > 0]);
+    if (scan !== cloudOf) {
+      const found = answer.kept_scans > 0 ? await sceneBefore(wanted) : { error: NO_SCAN };
+      if (wanted !== shown) return;
+      [cloud, cloudOf] = [found, scan];
+    }
     if (changed) render();
     else showHeader(latest); // the time since the last entry
   } catch (error) {
@@ -270,11 +275,11 @@ async function refresh() {
   }
 }
 
-async function fetchScene() {
+async function sceneBefore(step) {
   try {
-    cloud = await ask("/api/scene");
+    return await ask(step == null ? "/api/scene" : `/api/scene?step=${step}`);
   } catch (error) {
-    cloud = { error: error.message };
+    return { error: error.message };
   }
 }
 
