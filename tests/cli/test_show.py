@@ -171,3 +171,16 @@ def test_before_the_first_step(
 def test_after_the_last_decision_no_object_is_left(sorted_run: tuple[Path, SortingReport]) -> None:
     text = output("explain", str(sorted_run[0]), "--object", str(OBJECTS - 1))
     assert text.endswith("', most likely:\n  no object is left\n")
+
+
+def test_an_object_of_an_earlier_file(sorted_run: tuple[Path, SortingReport], tmp_path: Path) -> None:
+    journal = tmp_path / "journal.sqlite"
+    journal.write_bytes((sorted_run[0] / "journal.sqlite").read_bytes())
+    with Journal(journal, resume=True) as open_journal:
+        open_journal.rotate(progress_in(journal).snapshot())
+    entries = read_journal(journal)
+    if entries[0].number > 1:
+        with pytest.raises(JournalError, match=r"no object 2; .* this file of the journal begins later"):
+            object_history(entries, 2)
+    else:
+        assert object_history(entries, 2).outcome is not None
