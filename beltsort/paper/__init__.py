@@ -41,6 +41,7 @@ from beltsort.paper.run import Results, cell_of, run_experiments
 from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
 from beltsort.paper.setup_figures import clouds_figure, propagated, propagation_figure, reached_sphere
 from beltsort.paper.statistics import ClaimResult, Conclusion, Estimate, difference, mean, saving, slope
+from beltsort.paper.study import Study, own_study, papers_study
 
 __all__ = [
     "FOUR",
@@ -59,6 +60,7 @@ __all__ = [
     "Redrawn",
     "Reproduction",
     "Results",
+    "Study",
     "accuracy_figure",
     "all_claims",
     "beyond_figure",
@@ -74,6 +76,8 @@ __all__ = [
     "mean",
     "one_against_two_figure",
     "only",
+    "own_study",
+    "papers_study",
     "plain_table",
     "propagated",
     "propagation_figure",

@@ -8,6 +8,8 @@ from typing import Any
 
 import beltsort
 from beltsort.paper.design import QUICK, Design
+from beltsort.paper.outline import THE_PAPER, Outline
+from beltsort.paper.study import Study
 from beltsort.util.machine import installed_version, processor_name, processors
 
 LIBRARIES = ("numpy", "scipy", "matplotlib", "open3d")
@@ -24,7 +26,9 @@ class Circumstances:
     seed
         Seed of all experiments.
     design
-        What was run.
+        Sizes, penalties and settings.
+    outline
+        What was varied, and its names.
     facts
         Versions, machine and times as text, by name.
     """
@@ -33,9 +37,10 @@ class Circumstances:
     seed: int
     design: Design
     facts: Mapping[str, str] = field(default_factory=dict)
+    outline: Outline = THE_PAPER
 
     @classmethod
-    def now(cls, command: str, seed: int, design: Design, seconds: Mapping[str, float]) -> "Circumstances":
+    def now(cls, command: str, seed: int, study: Study, seconds: Mapping[str, float]) -> "Circumstances":
         """Return those of a run that ends now; `seconds` are the durations of its stages, by name."""
         facts = {
             "versions": ", ".join(
@@ -46,7 +51,7 @@ class Circumstances:
             "finished": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
             "seconds, this time": ", ".join(f"{name} {value:.0f}" for name, value in seconds.items()),
         }
-        return cls(command, seed, design, facts)
+        return cls(command, seed, study.design, facts, study.outline)
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Circumstances":
@@ -54,19 +59,20 @@ class Circumstances:
 
         Raises
         ------
-        TypeError
+        KeyError, TypeError
             If keys are missing or unknown.
         """
+        outline = Outline.from_plain(plain["outline"]) if "outline" in plain else THE_PAPER
         design: dict[str, Any] = {
             name: tuple(value) if isinstance(value, list) else value
             for name, value in plain["design"].items()
         }
-        return cls(**{**plain, "design": Design(**design)})
+        return cls(**{**plain, "design": Design(**design), "outline": outline})
 
     @property
     def quick(self) -> bool:
-        """Whether it was the quick run."""
-        return self.design == QUICK
+        """Whether it was of few batches."""
+        return self.design.batches <= QUICK.batches
 
     def rows(self) -> dict[str, str]:
         """Return everything but the design as text, by name."""

@@ -12,55 +12,51 @@ import numpy as np
 
 from beltsort.paper import printed
 from beltsort.paper.beyond import ARRIVAL, BONUS, POSITIONS, SHARPNESS, STUDIES
-from beltsort.paper.instances import OBJECTS, TWO
-from beltsort.paper.labels import LEVEL as LABELS
-from beltsort.paper.labels import STUDY
+from beltsort.paper.instances import TWO
 from beltsort.paper.optimum import loss_of
 from beltsort.paper.outcomes import Row, estimate_in, select
+from beltsort.paper.outline import THE_PAPER, Outline, positions_in_words
 from beltsort.paper.policies import (
-    INFORMATION_GAIN,
-    OPTIMUM,
-    PLANNERS,
-    POLICIES,
-    PUBLISHED,
     RECOMMENDED,
-    THRESHOLD,
 )
-from beltsort.paper.scans import LEVEL as SCANS
-from beltsort.paper.style import PRINTED, Look, curve, meaning, new_figure, penalty_axis, shared_legend, style
+from beltsort.paper.style import (
+    PRINTED,
+    ROW,
+    Look,
+    curve,
+    meaning,
+    new_figure,
+    penalty_axis,
+    shared_legend,
+    style,
+)
 from beltsort.util.figure_style import column_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SOURCES = (
-    ("labels from the paper's tables", {"level": LABELS, "instance": "paper"}),
-    ("labels from the cell's tables", {"level": LABELS, "instance": "cell"}),
-    ("depth scans of the cell", {"level": SCANS, "instance": "cell"}),
-)
-SHOWN = (RECOMMENDED, OPTIMUM, THRESHOLD, INFORMATION_GAIN, PUBLISHED)
-TICKS = (5.0, 20.0, 50.0, 200.0, 500.0)
 DECISIONS = (("positives", True), ("negatives", False))
 RIGHT_OR_WRONG = {
     "filled: right": meaning(filled=True, line="none"),
     "hollow: wrong": meaning(filled=False, line="none"),
 }
-ONE_OR_TWO = {
-    "filled: one position": meaning(filled=True, line="-"),
-    "hollow: two positions": meaning(filled=False, line="--"),
-}
 OF_TEN = "objects of ten"
 PENALTY = "penalty $r_\\mathrm{min}$"
-WORDS = {1: "one position", 2: "two positions"}
+LINES = ("-", "--", "-.", ":")
+"""Lines by the number of positions, the fewest first."""
+
 LOSS_FLOOR = 1e-3  # smaller losses are drawn here: the axis is logarithmic
+ROW_ALONE = 2.0  # inches; height of a panel without others below it
 MOST_STEPS = 82.0  # above all curves, and the paper's 75
 VARIED = "as many positions as the axis says"
 BEYOND = (("steps", "steps for ten"), ("positives", "right of ten"))
 
 
 @column_style()
-def accuracy_figure(rows: Sequence[Row], positions: int, discount: float) -> "Figure":
+def accuracy_figure(
+    rows: Sequence[Row], positions: int, discount: float, outline: Outline = THE_PAPER
+) -> "Figure":
     """Draw positives and negatives of ten against r_min, for every policy: Fig. 4 (one position) and 5 (two).
 
     Parameters
@@ -71,15 +67,17 @@ def accuracy_figure(rows: Sequence[Row], positions: int, discount: float) -> "Fi
         Belt positions seen at once.
     discount
         Whose rows are shown.
+    outline
+        What was varied.
     """
-    figure, panels = new_figure(len(SOURCES), len(OBJECTS), sharex=True, sharey=True)
-    for panel, shown, is_paper in _panels(panels, rows, discount):
-        for number, policy in enumerate(SHOWN):
+    figure, panels = _grid(outline)
+    for panel, shown, is_papers in _panels(panels, rows, discount, outline):
+        for number, policy in enumerate(outline.shown):
             found = select(shown, policy=policy, positions=positions)
             for outcome, filled in DECISIONS if found else ():
                 look = style(number, filled=filled)
                 curve(panel, _penalties(found), found, outcome, label=policy if filled else None, **look)
-        if is_paper:
+        if is_papers:
             panel.plot(*_columns(printed.POSITIVES), label="paper's robot, right", **PRINTED)
         panel.set(ylim=(-0.5, 10.5), yticks=(0.0, 5.0, 10.0))
     _finish(figure, panels, OF_TEN, RIGHT_OR_WRONG)
@@ -87,38 +85,55 @@ def accuracy_figure(rows: Sequence[Row], positions: int, discount: float) -> "Fi
 
 
 @column_style()
-def steps_figure(rows: Sequence[Row], discount: float) -> "Figure":
-    """Draw total steps for ten objects against r_min, one position against two: Fig. 6."""
-    figure, panels = new_figure(len(SOURCES), len(OBJECTS), sharex=True, sharey=True)
-    for panel, shown, is_paper in _panels(panels, rows, discount):
-        for (number, policy), positions in product(enumerate(SHOWN), WORDS):
+def steps_figure(rows: Sequence[Row], discount: float, outline: Outline = THE_PAPER) -> "Figure":
+    """Draw total steps for ten objects against r_min, for every number of positions: Fig. 6."""
+    figure, panels = _grid(outline)
+    for panel, shown, is_papers in _panels(panels, rows, discount, outline):
+        for (number, policy), (place, positions) in product(
+            enumerate(outline.shown), enumerate(outline.positions)
+        ):
             if found := select(shown, policy=policy, positions=positions):
-                alone = positions == 1
-                look = style(number, filled=alone) | {"linestyle": "-" if alone else "--"}
-                label = policy if alone else None
-                curve(panel, _penalties(found), found, "steps", label=label, **look)
-        if is_paper:
+                look = style(number, filled=place == 0) | {"linestyle": LINES[place % len(LINES)]}
+                curve(panel, _penalties(found), found, "steps", label=None if place else policy, **look)
+        if is_papers:
             label = "paper's robot, by $r_\\mathrm{min}$"
             panel.plot(*_columns(printed.STEPS), label=label, **PRINTED)
             for positions, marker in ((1, "P"), (2, "X")):
                 look = PRINTED | {"marker": marker, "markersize": 5}
                 steps = printed.STEPS_BY_POSITIONS[positions]
-                panel.plot([printed.R_MIN], [steps], label=f"paper's robot, {WORDS[positions]}", **look)
-        panel.set_ylim(0.0, MOST_STEPS)
-    _finish(figure, panels, "steps for ten objects", ONE_OR_TWO)
+                label = f"paper's robot, {positions_in_words(positions)}"
+                panel.plot([printed.R_MIN], [steps], label=label, **look)
+        panel.set_ylim(0.0, MOST_STEPS if outline.of_the_paper else None)
+    meanings = {
+        f"{'hollow' if place else 'filled'}: {positions_in_words(positions)}": meaning(
+            filled=place == 0, line=LINES[place % len(LINES)]
+        )
+        for place, positions in enumerate(outline.positions)
+    }
+    _finish(figure, panels, "steps for ten objects", meanings)
     return figure
 
 
 @column_style()
-def one_against_two_figure(rows: Sequence[Row], discount: float) -> "Figure":
-    """Draw the planners' positives and negatives, one position against two: Fig. 7."""
-    figure, panels = new_figure(len(SOURCES), len(OBJECTS), sharex=True, sharey=True)
-    for panel, shown, _ in _panels(panels, rows, discount):
-        for number, (planner, positions) in enumerate(product(PLANNERS, WORDS)):
-            found = select(shown, policy=planner, positions=positions)
+def one_against_two_figure(rows: Sequence[Row], discount: float, outline: Outline = THE_PAPER) -> "Figure":
+    """Draw positives and negatives, the fewest positions against the most: Fig. 7.
+
+    Of the planners; if there are policies of one's own, of the recommended planner and of these, in which
+    case a policy has the same colour and marker for all positions.
+    """
+    figure, panels = _grid(outline)
+    own = outline.own_policies
+    judged = (RECOMMENDED, *own) if own else outline.judged
+    compared = (outline.positions[0], outline.positions[-1])
+    for panel, shown, _ in _panels(panels, rows, discount, outline):
+        for number, (policy, positions) in enumerate(product(judged, compared)):
+            found = select(shown, policy=policy, positions=positions)
             for outcome, filled in DECISIONS if found else ():
                 look = style(number, filled=filled)
-                label = f"{planner}, {WORDS[positions]}" if filled else None
+                if own:
+                    look = style(outline.shown.index(policy), filled=filled)
+                    look["linestyle"] = LINES[compared.index(positions)]
+                label = f"{policy}, {positions_in_words(positions)}" if filled else None
                 curve(panel, _penalties(found), found, outcome, label=label, **look)
         panel.set(ylim=(-0.5, 10.5), yticks=(0.0, 5.0, 10.0))
     _finish(figure, panels, OF_TEN, RIGHT_OR_WRONG, columns=1)
@@ -126,23 +141,26 @@ def one_against_two_figure(rows: Sequence[Row], discount: float) -> "Figure":
 
 
 @column_style()
-def bounds_figure(optimum: Sequence[Row]) -> "Figure":
+def bounds_figure(optimum: Sequence[Row], outline: Outline = THE_PAPER) -> "Figure":
     """Draw the certified bounds of the optimum, and what each policy's actions lose against it.
 
     Parameters
     ----------
     optimum
         From `beltsort.paper.optimum.losses_table`.
+    outline
+        What was varied.
     """
-    figure, panels = new_figure(2, len(WORDS), 1.4, sharex=True, sharey="row")
-    for (value, loss), positions in zip(panels.T, WORDS, strict=True):
+    solved = sorted({row["positions"] for row in optimum})
+    figure, panels = new_figure(2, len(solved), 1.4, sharex=True, sharey="row")
+    for (value, loss), positions in zip(panels.T, solved, strict=True):
         rows = select(optimum, positions=positions)
         x = _penalties(rows)
         lower, upper = ([row[end] for row in rows] for end in ("lower", "upper"))
         value.fill_between(x, lower, upper, color="0.75", label="certified bounds of the optimum")
         value.plot(x, lower, color="black", linewidth=0.8, marker="_", label="lower: a policy's value")
-        value.set_title(WORDS[positions])
-        for number, policy in enumerate(POLICIES):
+        value.set_title(positions_in_words(positions))
+        for number, policy in enumerate(outline.policies):
             if loss_of(policy) not in rows[0]:
                 continue
             losses = [estimate_in(row, loss_of(policy)) for row in rows]
@@ -152,8 +170,8 @@ def bounds_figure(optimum: Sequence[Row]) -> "Figure":
             loss.errorbar(x, means, yerr=(means - low, high - means), label=policy, **style(number))
         loss.set_yscale("log")
         loss.set_ylim(LOSS_FLOOR / 1.5, None)
-        penalty_axis(value, TICKS)
-        penalty_axis(loss, TICKS)
+        penalty_axis(value, outline.ticks)
+        penalty_axis(loss, outline.ticks)
     value, loss = panels[:, 0]
     value.set_ylabel("value (discounted reward)")
     loss.set_ylabel("loss per batch")
@@ -169,11 +187,11 @@ def bounds_figure(optimum: Sequence[Row]) -> "Figure":
 def beyond_figure(rows: Sequence[Row]) -> "Figure":
     """Draw steps and right decisions for each further study, a row per study."""
     figure, panels = new_figure(len(STUDIES), len(BEYOND), 1.05)
-    names = (*WORDS.values(), VARIED)
+    names = (*map(positions_in_words, THE_PAPER.positions), VARIED)
     for (study, axis), line in zip(STUDIES.items(), panels, strict=True):
         curves: dict[tuple[str, str], list[Row]] = {}
         for row in sorted(select(rows, study=study), key=lambda row: float(row["setting"])):
-            name = VARIED if study == POSITIONS else WORDS[row["positions"]]
+            name = VARIED if study == POSITIONS else positions_in_words(row["positions"])
             curves.setdefault((row["policy"], name), []).append(row)
         settings = sorted({row["setting"] for found in curves.values() for row in found})
         for panel, (outcome, title) in zip(line, BEYOND, strict=True):
@@ -206,17 +224,24 @@ def beyond_figure(rows: Sequence[Row]) -> "Figure":
     return figure
 
 
+def _grid(outline: Outline) -> "tuple[Figure, Any]":
+    """Return a figure with a panel for each source and set of objects; a row alone is higher."""
+    rows, columns = len(outline.sources), len(outline.objects)
+    return new_figure(rows, columns, ROW if rows > 1 else ROW_ALONE, sharex=True, sharey=True)
+
+
 def _panels(
-    panels: "Sequence[Sequence[Axes]]", rows: Sequence[Row], discount: float
+    panels: "Sequence[Sequence[Axes]]", rows: Sequence[Row], discount: float, outline: Outline
 ) -> "Iterator[tuple[Axes, list[Row], bool]]":
     """Yield each panel, the rows it shows, and whether the paper's own numbers belong there."""
-    for (title, source), line in zip(SOURCES, panels, strict=True):
-        line[0].set_title(title, loc="left")
-        for objects, panel in zip(OBJECTS, line, strict=True):
-            shown = select(rows, study=STUDY, discount=discount, objects=objects.name, **source)
-            penalty_axis(panel, TICKS)
+    for source, line in zip(outline.sources, panels, strict=True):
+        line[0].set_title(source.title, loc="left")
+        for objects, panel in zip(outline.objects, line, strict=True):
+            wanted = source.condition | {"discount": discount, "objects": objects.name}
+            shown = select(rows, study=outline.name, **wanted)
+            penalty_axis(panel, outline.ticks)
             panel.text(0.97, 0.2, objects.name, transform=panel.transAxes, ha="right", va="center")
-            yield panel, shown, objects is TWO
+            yield panel, shown, outline.of_the_paper and objects.name == TWO.name
 
 
 def _finish(

@@ -1,6 +1,6 @@
 """Every figure of the report, under the number that it has in the paper."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,6 +18,8 @@ from beltsort.paper.design import Design, Stream, seed_of
 from beltsort.paper.files import Numbers
 from beltsort.paper.instances import PAPER
 from beltsort.paper.outcomes import Point
+from beltsort.paper.outline import positions_in_words
+from beltsort.paper.policies import RECOMMENDED
 from beltsort.paper.printed import R_MIN
 from beltsort.paper.scans import PreparedCell, scan_point, sort_batch, true_labels
 from beltsort.paper.setup_figures import clouds_figure, propagation_figure, reached_sphere
@@ -47,16 +49,26 @@ class Picture:
     caption: str
 
 
+ACCURACY = {1: (4, "figure_4_one_position"), 2: (5, "figure_5_two_positions")}
+"""Number and name of the figures of right and wrong decisions, by the number of positions."""
+
+PRINTED_STEPS = (
+    "The paper prints 52 steps in its series over r_min and 75 in its comparison, both with r_min = 50. "
+)
 SHARED = "All panels have the same scales, and no point is shifted."
 
 
-def draw_all(numbers: Numbers, cell: PreparedCell, folder: Path) -> list[Picture]:
-    """Draw every figure as PNG, SVG and PDF into a folder, in the order of the report."""
+def draw_all(numbers: Numbers, cell: PreparedCell | None, folder: Path) -> list[Picture]:
+    """Draw every figure as PNG, SVG and PDF into a folder, in the order of the report.
+
+    Without a cell, figures 1 to 3 are left out.
+    """
     about = numbers.circumstances
     pictures = []
     for name, figure, caption in (
-        *_of_the_cell(cell, about.design, about.seed),
-        *_of_the_rows(numbers, about.design.discounts[0]),
+        *(_of_the_cell(cell, about.design, about.seed) if cell is not None else ()),
+        *_of_the_rows(numbers),
+        *_of_the_optimum(numbers),
     ):
         save_figure(figure, folder, name)
         pictures.append(Picture(name, caption))
@@ -104,36 +116,59 @@ def _of_the_cell(cell: PreparedCell, design: Design, seed: int) -> "Iterator[tup
     )  # fmt: skip
 
 
-def _of_the_rows(numbers: Numbers, discount: float) -> "Iterator[tuple[str, Figure, str]]":
-    rows = numbers.rows
-    common = f"Discount {discount:g}. {ERROR_BARS}. {SHARED}"
+def _of_the_rows(numbers: Numbers) -> "Iterator[tuple[str, Figure, str]]":
+    rows, outline = numbers.rows, numbers.circumstances.outline
+    discount = numbers.circumstances.design.discounts[0]
+    common = f"Discount {discount:g}. {ERROR_BARS}."
+    as_in = "" if outline.of_the_paper else "As the paper's "
+    if outline.of_the_paper:
+        common += f" {SHARED}"
+    for positions in outline.positions:
+        seen = positions_in_words(positions)
+        number, name = ACCURACY.get(positions, (5, f"accuracy_{positions}_positions"))
+        yield (
+            name, accuracy_figure(rows, positions, discount, outline),
+            f"{as_in}Fig. {number}: right (filled) and wrong (hollow) decisions of ten, {seen}. {common}",
+        )  # fmt: skip
     yield (
-        "figure_4_one_position", accuracy_figure(rows, 1, discount),
-        f"Fig. 4: right (filled) and wrong (hollow) decisions of ten, one position. {common}",
+        "figure_6_steps", steps_figure(rows, discount, outline),
+        f"{as_in}Fig. 6: steps to sort ten objects, {_lines_in_words(outline.positions)}. "
+        f"{PRINTED_STEPS if outline.of_the_paper else ''}{common}",
     )  # fmt: skip
-    yield (
-        "figure_5_two_positions", accuracy_figure(rows, 2, discount),
-        f"Fig. 5: right (filled) and wrong (hollow) decisions of ten, two positions. {common}",
-    )  # fmt: skip
-    yield (
-        "figure_6_steps", steps_figure(rows, discount),
-        "Fig. 6: steps to sort ten objects, one position (filled, solid lines) and two (hollow, dashed). The "
-        "paper prints 52 steps in its series over r_min and 75 in its comparison, both with r_min = 50. "
-        f"{common}",
-    )  # fmt: skip
-    yield (
-        "figure_7_one_against_two", one_against_two_figure(rows, discount),
-        "Fig. 7: the planners' right (filled) and wrong (hollow) decisions of ten, one against two "
-        f"positions. {common}",
-    )  # fmt: skip
-    yield (
-        "bounds", bounds_figure(numbers.optimum),
-        "Certified bounds of the best possible value (paper's tables), and what each policy loses against "
-        "the upper one; both depend on the machine's speed. Losses are of discounted reward per batch; "
-        f"smaller ones than {LOSS_FLOOR:g} are drawn there. {ERROR_BARS}.",
-    )  # fmt: skip
-    yield (
-        "beyond", beyond_figure(numbers.beyond),
-        "Beyond the paper (paper's tables, r_min = 50): a reward for information, more positions, a wrong "
-        f"table, the arrival prior. The scale of right decisions does not begin at 0. {ERROR_BARS}.",
-    )  # fmt: skip
+    if len(outline.positions) > 1:
+        least, most = (positions_in_words(outline.positions[place]) for place in (0, -1))
+        who = "the planners'" if not outline.own_policies else f"{RECOMMENDED}'s and your policies'"
+        yield (
+            "figure_7_one_against_two", one_against_two_figure(rows, discount, outline),
+            f"{as_in}Fig. 7: {who} right (filled) and wrong (hollow) decisions of ten, "
+            f"{least.removesuffix(' position')} against {most}. {common}",
+        )  # fmt: skip
+
+
+def _lines_in_words(positions: Sequence[int]) -> str:
+    """Return how Fig. 6 draws each number of positions."""
+    first, *others = (positions_in_words(number) for number in positions)
+    if not others:
+        return first
+    if len(others) == 1:
+        return f"{first} (filled, solid lines) and {others[0].removesuffix(' positions')} (hollow, dashed)"
+    return f"{first} (filled, solid lines) and {', '.join(others)} (hollow; the legend names their lines)"
+
+
+def _of_the_optimum(numbers: Numbers) -> "Iterator[tuple[str, Figure, str]]":
+    outline = numbers.circumstances.outline
+    tables = outline.tables[outline.sources[0].instance]
+    if numbers.optimum:
+        yield (
+            "bounds", bounds_figure(numbers.optimum, outline),
+            f"Certified bounds of the best possible value ({tables.removeprefix('the ')}), and what each "
+            "policy loses against the upper one; both depend on the machine's speed. Losses are of "
+            f"discounted reward per batch; smaller ones than {LOSS_FLOOR:g} are drawn there. {ERROR_BARS}.",
+        )  # fmt: skip
+    if numbers.beyond:
+        yield (
+            "beyond", beyond_figure(numbers.beyond),
+            "Beyond the paper (paper's tables, r_min = 50): a reward for information, more positions, a wrong "
+            "table, the arrival prior. The scale of right decisions does not begin at 0. "
+            f"{ERROR_BARS}.",
+        )  # fmt: skip

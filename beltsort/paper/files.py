@@ -9,11 +9,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from beltsort import ArgumentError, SortingModel
 from beltsort.paper import printed
 from beltsort.paper.circumstances import Circumstances
 from beltsort.paper.optimum import losses_table
 from beltsort.paper.outcomes import Row, plain_table
+from beltsort.paper.outline import Outline
 from beltsort.paper.run import Results
 from beltsort.paper.statistics import ClaimResult
 from beltsort.tables import Counts
@@ -33,7 +37,7 @@ class Numbers:
     Attributes
     ----------
     tables
-        Entries of the simulated cell's observation tables; see `table_entries`.
+        Entries of the observation tables, of the simulated cell's in the paper's study; see `table_entries`.
     labels, scans, beyond, optimum_play
         From `beltsort.paper.outcomes.plain_table`.
     optimum
@@ -54,10 +58,11 @@ class Numbers:
     circumstances: Circumstances
 
     @classmethod
-    def of(cls, results: Results, counts: Counts, circumstances: Circumstances) -> "Numbers":
-        """Return those of results."""
+    def of(cls, results: Results, counts: Counts | None, circumstances: Circumstances) -> "Numbers":
+        """Return those of results; `counts` are those of the simulated cell."""
+        instance = results.study.instance if results.cell is None else results.cell.instance
         return cls(
-            table_entries(results.cell.instance.model, counts),
+            table_entries(instance.model, counts),
             plain_table(results.labels),
             plain_table(results.scans),
             plain_table(results.beyond),
@@ -77,23 +82,28 @@ class Numbers:
             If a file is missing or is not of this kind.
         """
         try:
-            about = Circumstances.from_plain(json.loads((folder / CIRCUMSTANCES).read_text(encoding="utf-8")))
+            about = _circumstances_in(folder)
             findings = [ClaimResult.from_plain(row) for row in _read_csv(folder / "findings.csv")]
-            rows = {name: [_typed(row) for row in _read_csv(folder / f"{name}.csv")] for name in cls._rows()}
+            rows = {
+                name: [_typed(row) for row in _read_csv(folder / f"{name}.csv")]
+                for name in cls._rows()
+                if about.outline.of_the_paper or (folder / f"{name}.csv").exists()
+            }
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise ArgumentError(
-                f"{folder} cannot be read ({type(error).__name__}: {error}), expected a folder that "
-                "`beltsort reproduce` has written: give such a folder"
-            ) from error
-        return cls(**rows, findings=findings, circumstances=about)
+            raise _unreadable(folder, error) from error
+        return cls(**({name: [] for name in cls._rows()} | rows), findings=findings, circumstances=about)
 
     def write(self, folder: Path) -> list[Path]:
-        """Write every table, and the circumstances, into a folder; return the CSV files."""
+        """Write every table that has rows, and the circumstances, into a folder; return the CSV files."""
         text = json.dumps(asdict(self.circumstances), indent=2)
         (folder / CIRCUMSTANCES).write_text(text + "\n", encoding="utf-8")
         found = {name: getattr(self, name) for name in self._rows()}
-        found |= {"printed": printed_numbers(), "findings": [result.plain() for result in self.findings]}
-        return [write_csv(folder / f"{name}.csv", table) for name, table in found.items()]
+        found["printed"] = printed_numbers() if self.circumstances.outline.of_the_paper else []
+        found["findings"] = [result.plain() for result in self.findings]
+        for name, table in found.items():
+            if not table:  # of an earlier study in the same folder
+                (folder / f"{name}.csv").unlink(missing_ok=True)
+        return [write_csv(folder / f"{name}.csv", table) for name, table in found.items() if table]
 
     @staticmethod
     def _rows() -> tuple[str, ...]:
@@ -103,6 +113,31 @@ class Numbers:
     def rows(self) -> list[Row]:
         """All rows of the paper's own experiments, those of the offline solutions included."""
         return [*self.labels, *self.scans, *self.optimum_play]
+
+
+def outline_in(folder: Path) -> Outline:
+    """Return what was varied in a reproduction.
+
+    Raises
+    ------
+    ArgumentError
+        If the folder has no reproduction.
+    """
+    try:
+        return _circumstances_in(folder).outline
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise _unreadable(folder, error) from error
+
+
+def _circumstances_in(folder: Path) -> Circumstances:
+    return Circumstances.from_plain(json.loads((folder / CIRCUMSTANCES).read_text(encoding="utf-8")))
+
+
+def _unreadable(folder: Path, error: Exception) -> ArgumentError:
+    return ArgumentError(
+        f"{folder} cannot be read ({type(error).__name__}: {error}), expected a folder that "
+        "`beltsort reproduce` has written: give such a folder"
+    )
 
 
 def write_csv(path: Path, table: Sequence[Mapping[str, Any]]) -> Path:
@@ -140,9 +175,18 @@ def _value(name: str, text: str) -> str | float | int | None:
     return text
 
 
-def table_entries(model: SortingModel, counts: Counts) -> list[dict[str, Any]]:
-    """Return the observation tables (Tables I and II), a row per entry with its standard error."""
-    errors = standard_errors(counts, SMOOTHING)
+def table_entries(model: SortingModel, counts: Counts | None) -> list[dict[str, Any]]:
+    """Return the observation tables (Tables I and II), a row per entry with its standard error.
+
+    Parameters
+    ----------
+    model
+        The tables; those of a class with modes have a row for each of its modes.
+    counts
+        What they were estimated from; default: the counts in the model, if there are any.
+    """
+    seen = model.counts if counts is None else counts.counts
+    errors = _model_errors(model) if counts is None else standard_errors(counts, SMOOTHING)
     return [
         {
             "position": j + 1,
@@ -151,12 +195,31 @@ def table_entries(model: SortingModel, counts: Counts) -> list[dict[str, Any]]:
             "observed": observed,
             "probability": float(model.p_obs[j, k, a, b]),
             "standard_error": float(errors[j, k, a, b]),
-            "objects": int(counts.counts[j, k, a].sum()),
+            "objects": None if seen is None else int(seen[j, k, a].sum()),
         }
         for j in range(model.positions)
         for k, viewpoint in enumerate(model.viewpoints)
-        for a, true in enumerate(model.classes)
+        for a, true in enumerate(_kinds(model))
         for b, observed in enumerate(model.labels)
+    ]
+
+
+def _model_errors(model: SortingModel) -> NDArray[np.float64]:
+    """Return the standard errors of a model's tables, shape (H, K, N, Z); NaN if it has no counts."""
+    if model.counts is None:
+        return np.full(model.p_obs.shape, math.nan)
+    pseudo = 0.0 if model.smoothing is None else np.asarray(model.smoothing)
+    weight = (model.counts + pseudo).sum(axis=-1, keepdims=True)
+    errors: NDArray[np.float64] = np.sqrt(model.p_obs * (1.0 - model.p_obs) / (weight + 1.0))
+    return errors
+
+
+def _kinds(model: SortingModel) -> list[str]:
+    """Return the names of the N kinds: classes, with the number of the mode where there are several."""
+    return [
+        name if len(weights) == 1 else f"{name}, mode {mode}"
+        for name, weights in zip(model.classes, model.modes, strict=True)
+        for mode in range(1, len(weights) + 1)
     ]
 
 

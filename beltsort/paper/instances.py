@@ -3,10 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from beltsort import SortingModel
+from beltsort import ArgumentError, SortingModel
 from beltsort.models import paper
 from beltsort.paper.printed import CLASSES_DRAWN
+from beltsort.planning.bins import sorts_into_classes
+from beltsort.planning.decisions import right_bins
 
 FADING = 0.2
 """By how much the table of each position beyond the paper's two is mixed with pure chance."""
@@ -19,14 +22,17 @@ class Instance:
     Attributes
     ----------
     name
-        `paper` or `cell`.
+        `paper`, `cell`, or `own` for a model of one's own.
     model
-        With two positions.
+        With as many positions as it has tables for.
     """
 
     name: str
     model: SortingModel
 
+
+CELL = "cell"
+"""Name of the simulated cell's tables."""
 
 PAPER = Instance("paper", paper())
 """Three of eight blocks as printed, five of ours; see `beltsort.models.paper`."""
@@ -57,6 +63,52 @@ class Objects:
 TWO = Objects("two classes", CLASSES_DRAWN)
 FOUR = Objects("four classes", tuple(paper().classes))
 OBJECTS = (TWO, FOUR)
+
+
+def punished(model: SortingModel) -> NDArray[np.bool_]:
+    """Return which decisions cost something since the object is of another class, shape (B, L).
+
+    Bins where no class belongs, such as a manual bin, are not among them.
+    """
+    right = right_bins(model)
+    found: NDArray[np.bool_] = ~right & right.any(axis=1, keepdims=True) & (model.reward < 0.0)
+    return found
+
+
+def penalty_of(model: SortingModel) -> float:
+    """Return the largest loss of a wrong decision: `r_min`, or that of the reward matrix.
+
+    Raises
+    ------
+    ArgumentError
+        If no wrong decision costs anything.
+
+    Examples
+    --------
+    >>> penalty_of(paper())
+    50.0
+    """
+    losses = -model.reward[punished(model)]
+    if not losses.size:
+        raise ArgumentError(
+            "no decision of the model costs anything, so there is no penalty to vary; give wrong decisions a "
+            "reward below 0 (reward, or r_min)"
+        )
+    return float(losses.max())
+
+
+def with_penalty(model: SortingModel, r_min: float) -> SortingModel:
+    """Return the model with another penalty of wrong decisions; smaller losses change in proportion.
+
+    Examples
+    --------
+    >>> with_penalty(paper(), 7.0) == paper().replace(r_min=7.0)
+    True
+    """
+    if sorts_into_classes(model):
+        return model.replace(r_min=r_min)
+    factor = r_min / penalty_of(model)
+    return model.replace(reward=np.where(punished(model), factor * model.reward, model.reward))
 
 
 def with_more_positions(model: SortingModel, positions: int) -> SortingModel:

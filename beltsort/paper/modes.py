@@ -8,12 +8,10 @@ from collections.abc import Iterator, Sequence
 
 from beltsort.paper.design import Design
 from beltsort.paper.instances import OBJECTS, Objects
-from beltsort.paper.labels import LEVEL as LABELS
 from beltsort.paper.labels import label_point
-from beltsort.paper.outcomes import Point, Row, only, select
+from beltsort.paper.outcomes import LABELS, SCANS, Point, Row, only, select
 from beltsort.paper.policies import PLANNERS, RECOMMENDED
 from beltsort.paper.printed import R_MIN
-from beltsort.paper.scans import LEVEL as SCANS
 from beltsort.paper.scans import PreparedCell, scan_points
 from beltsort.paper.statistics import ClaimResult, conclude, difference, mean, saving, unpaired
 

@@ -9,31 +9,40 @@ from collections.abc import Mapping
 from typing import Any
 
 from beltsort import Evaluation, Policy, Solution, SortingModel, evaluate, solve
-from beltsort.paper.design import Design, Stream, seed_of
-from beltsort.paper.instances import FOUR, OBJECTS, PAPER
+from beltsort.paper.design import Stream, seed_of
+from beltsort.paper.instances import Objects, with_penalty
 from beltsort.paper.labels import label_point, outcomes_of
 from beltsort.paper.outcomes import Point, Row, condition
-from beltsort.paper.policies import BATCH, OPTIMUM, POLICIES, policy_at
+from beltsort.paper.policies import BATCH, OPTIMUM, policy_at
 from beltsort.paper.statistics import mean
+from beltsort.paper.study import Study
 
 WORD = re.compile(r"\w+")
 
 
-def optimum_points(design: Design, seed: int) -> list[Point]:
-    """Return a point for each penalty, with one and two positions, on the paper's tables."""
+def optimum_points(seed: int, study: Study) -> list[Point]:
+    """Return a point for each penalty and each number of positions that can be solved."""
+    design, outline = study.design, study.outline
     return [
         label_point(
             design,
             seed,
-            PAPER.model.with_positions(positions).replace(r_min=r_min, discount=design.discounts[0]),
-            FOUR,
+            with_penalty(study.instance.model.with_positions(positions), r_min).replace(
+                discount=design.discounts[0]
+            ),
+            outline.objects[-1],
+            study=outline.name,
+            instance=study.instance.name,
+            r_min=r_min,
             policy=OPTIMUM,
             batches=design.batches,
             batches_regret=design.batches_optimum,
             seconds=design.seconds_optimum,
             seed_regret=seed_of(seed, Stream.OPTIMUM),
+            played=[[objects.name, list(objects.classes)] for objects in outline.objects],
+            compared=list(outline.policies),
         )
-        for positions in (1, 2)
+        for positions in study.optimum_positions
         for r_min in design.r_min_optimum
     ]
 
@@ -54,13 +63,13 @@ def bound_optimum(point: Mapping[str, Any]) -> Row:
         {
             **condition(point),
             "objects": objects.name,
-            **outcomes_of(_evaluated(point, model, solution, objects.labels(model))),
+            **outcomes_of(model, _evaluated(point, model, solution, objects.labels(model))),
         }
-        for objects in OBJECTS
+        for objects in (Objects(name, tuple(classes)) for name, classes in point["played"])
     ]
     losses = {
         name: _losses(point, model, policy_at({**point, "policy": name}, model)[0], solution)
-        for name in POLICIES
+        for name in point["compared"]
     }
     return {
         "parameter": None,

@@ -12,6 +12,12 @@ Point = dict[str, Any]
 Row = dict[str, Any]
 """A point's condition (`CONDITION`), and lists with one number per batch (`OUTCOMES`)."""
 
+STUDY = "paper"
+"""The column `study` of the paper's own experiments."""
+
+LABELS, SCANS = "labels from tables", "depth scans"
+"""The column `level`: where labels come from."""
+
 CONDITION = (
     *("study", "setting", "level", "instance", "objects"),
     *("positions", "discount", "r_min", "policy", "parameter"),

@@ -1,11 +1,15 @@
-"""The planners, and the simple policies they are compared with, which are tuned on other seeds."""
+"""The planners, simple policies tuned on other seeds, and policies of one's own by name."""
 
+import hashlib
 import math
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from beltsort import InformationGain, Policy, SortingModel, Threshold, evaluate
-from beltsort.planning.named_policy import named_policy
+from beltsort import ArgumentError, BeltsortError, InformationGain, Policy, SortingModel, Threshold, evaluate
+from beltsort.planning.named_policy import KINDS, named_policy, plans_by_the_clock
+from beltsort.util.references import is_reference, object_of
 
 RECOMMENDED, PUBLISHED = "DESPOT (recommended)", "DESPOT as published"
 THRESHOLD, INFORMATION_GAIN, OPTIMUM = "threshold", "information gain", "offline solution"
@@ -29,11 +33,75 @@ def policy_at(point: Mapping[str, Any], model: SortingModel) -> tuple[Policy, st
     """
     name = point["policy"]
     if name in PLANNERS:
-        return named_policy(f"{PLANNERS[name]}:{point['trials']}", model, threads=1), None
+        return _planner(name, model, point["trials"]), None
+    if name not in CANDIDATES:
+        return own_policy(name, model), None
     candidates = CANDIDATES[name](model)
     scores = {parameter: _score(point, model, policy) for parameter, policy in candidates.items()}
     best = max(scores, key=scores.__getitem__)
     return candidates[best], best
+
+
+def _planner(name: str, model: SortingModel, trials: int) -> Policy:
+    return named_policy(f"{PLANNERS[name]}:{trials}", model, threads=1)
+
+
+def papers_policy(name: str, model: SortingModel) -> Policy:
+    """Return one of the paper's policies, with any parameters, to see whether the model allows for it."""
+    if name in PLANNERS:
+        return _planner(name, model, 1)
+    return next(iter(CANDIDATES[name](model).values()))
+
+
+def own_policy(word: str, model: SortingModel) -> Policy:
+    """Return the policy with a name in commands, on one thread."""
+    if word.partition(":")[0] in PLANNERS.values():
+        return named_policy(word, model, threads=1)
+    return named_policy(word, model)
+
+
+def check_own(word: str, model: SortingModel, given: Sequence[str]) -> None:
+    """Check that a policy of one's own can be simulated with a model, again and again with the same result.
+
+    Parameters
+    ----------
+    word
+        Its name.
+    model
+        The model, with one of the numbers of positions.
+    given
+        All names.
+
+    Raises
+    ------
+    ArgumentError
+        If it cannot; the message says what to give instead.
+    """
+    if word in (*POLICIES, OPTIMUM) or given.count(word) > 1:
+        raise ArgumentError(f"the policy {word!r} is there already; name it once")
+    if word.partition(":")[0] == "solution":
+        raise ArgumentError(
+            f"the policy {word!r} solves one model, and a study varies penalty and positions; leave it out: "
+            "the offline solution is part of the study where it can be computed"
+        )
+    if plans_by_the_clock(word):
+        raise ArgumentError(
+            f"the policy {word!r} plans by the clock, so results would depend on the machine; give trials "
+            "(despot:300)"
+        )
+    try:
+        own_policy(word, model)
+    except BeltsortError as reason:
+        raise ArgumentError(f"with positions = {model.positions}: {reason}") from reason
+
+
+def source_of(word: str) -> str | None:
+    """Return a hash of the module of a policy `module:object`, so that a changed one is run again."""
+    if word.partition(":")[0] in KINDS or not is_reference(word):
+        return None
+    object_of(word, Path(), "policy", ArgumentError)
+    file = sys.modules[word.partition(":")[0]].__file__
+    return None if file is None else hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
 
 def _thresholds(model: SortingModel) -> dict[str, Policy]:

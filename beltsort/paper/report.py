@@ -7,16 +7,14 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from beltsort.paper.curves import SOURCES
 from beltsort.paper.figures import Picture
 from beltsort.paper.files import Numbers, printed_numbers
 from beltsort.paper.instances import PAPER
-from beltsort.paper.labels import LEVEL as LABELS
 from beltsort.paper.modes import STUDY as MODES
-from beltsort.paper.outcomes import Row, select
+from beltsort.paper.outcomes import LABELS, SCANS, Row, select
+from beltsort.paper.outline import Outline
 from beltsort.paper.policies import PUBLISHED, RECOMMENDED
-from beltsort.paper.printed import R_MIN, TABLES_PRINTED
-from beltsort.paper.scans import LEVEL as SCANS
+from beltsort.paper.printed import TABLES_PRINTED
 from beltsort.paper.statistics import ClaimResult, Conclusion
 from beltsort.util.extras import extra
 from beltsort.util.figure_style import DPI
@@ -35,13 +33,14 @@ THINNED = (
     "penalties only, no discount of 0.99, no four positions, fewer settings beyond the paper. It shows that "
     "everything works; for what is true, run it without --quick."
 )
+THINNED_OWN = "This is the quick run, of few batches; for results, run it without --quick."
 PLANNERS_SHOWN = (
     f"Two planners are shown, with {{trials}} trials a plan. {PUBLISHED} is the algorithm of Ye, Somani, Hsu "
     f"and Lee (2017), the paper's planner, which averages over sampled scenarios. {RECOMMENDED} is this "
     "package's default: a search over exact beliefs that descends from it. Where labels are drawn from "
-    "tables, both meet the same objects; depth scans, and the bonus for information, are planned with the "
-    "recommended one only."
+    "tables, both meet the same objects"
 )
+RECOMMENDED_ONLY = "; depth scans, and the bonus for information, are planned with the recommended one only"
 WITH_MODES = (
     ("labels from the cell's tables with modes", {"level": LABELS, "study": MODES}),
     ("depth scans of the cell, with modes and confidence levels", {"level": SCANS, "study": MODES}),
@@ -69,12 +68,19 @@ CONCLUDED = (
     "A claim <em>holds</em> if all of its 95 % confidence interval says so, <em>fails</em> if all of "
     "it says the opposite, and is <em>open</em> otherwise, or from fewer than ten batches. Differences "
     "are taken batch by batch on the same objects; p-values are two-sided and not corrected for the "
-    f"number of claims. {PAPERS_TABLES}"
+    "number of claims."
+)
+DRAWN = (
+    "Objects are drawn from the model's arrival prior, and labels from its tables: what is found holds as "
+    "far as these do. A penalty r_min replaces the largest loss of a wrong decision; smaller losses change "
+    "in proportion, and bins where no class belongs keep their rewards and count as neither right nor wrong."
 )
 SHOWN = ("objects", "positions", "r_min", "policy", "batches")
 SHOWN_DPI = 150
 """Pixels of the page per inch of a figure."""
 MEANS = ("steps", "positives", "negatives")
+MOST_ROWS = 200
+"""Rows of the observation tables of a model of one's own that the page shows."""
 
 
 @dataclass(frozen=True)
@@ -99,30 +105,64 @@ class Section:
 def write_report(numbers: Numbers, pictures: Sequence[Picture], folder: Path) -> Path:
     """Write `report.html` into the folder of the pictures and return it."""
     about = numbers.circumstances
-    discount = about.design.discounts[0]
+    outline = about.outline
     made = _table([{"": name, "this run": value} for name, value in about.rows().items()])
-    both = bool(select(numbers.rows, policy=PUBLISHED))
-    planners = [f"<p>{escape(PLANNERS_SHOWN.format(trials=about.design.trials))}</p>"] if both else []
+    figures = [_figure(picture, folder, outline) for picture in pictures]
     sections = [
-        Section("findings", "Findings", list(main_findings(numbers.findings))),
-        Section("tables", "Tables I and II: observation tables", list(observation_tables(numbers.tables))),
-        Section("figures", "Figures", [*planners, *(_figure(picture, folder) for picture in pictures)]),
-        Section("numbers", f"Numbers at r_min = {R_MIN:g}", list(_numbers(numbers, discount))),
-        Section("printed", "What the paper prints of its robot", [_table(printed_numbers())]),
-        Section("optimum", "Bounds of the optimum, and losses against it", [_table(numbers.optimum)]),
+        Section("findings", "Findings", list(main_findings(numbers.findings, outline))),
+        _tables_section(numbers),
+        Section("figures", "Figures", [*_planners_shown(numbers), *figures]),
+        Section("numbers", f"Numbers at r_min = {outline.r_min:g}", list(_numbers(numbers))),
+    ]
+    if outline.of_the_paper:
+        sections.append(Section("printed", "What the paper prints of its robot", [_table(printed_numbers())]))
+    if numbers.optimum:
+        bounds = [_table(numbers.optimum)]
+        sections.append(Section("optimum", "Bounds of the optimum, and losses against it", bounds))
+    sections += [
         Section("claims", "All findings, by condition", claims_section(numbers.findings)),
         Section("made", "How this was made", [made]),
     ]
     path = folder / "report.html"
-    path.write_text(_page(sections, thinned=about.quick), encoding="utf-8")
+    path.write_text(_page(outline, sections, thinned=about.quick), encoding="utf-8")
     return path
 
 
-def main_findings(results: Sequence[ClaimResult]) -> Iterable[str]:
-    """Yield the findings of the paper's own condition, which is the first, in words, and those on scans."""
+def _planners_shown(numbers: Numbers) -> list[str]:
+    if not select(numbers.rows, policy=PUBLISHED):
+        return []
+    about = numbers.circumstances
+    only = RECOMMENDED_ONLY if about.outline.of_the_paper else ""
+    return [f"<p>{escape(PLANNERS_SHOWN.format(trials=about.design.trials))}{only}.</p>"]
+
+
+def _tables_section(numbers: Numbers) -> Section:
+    if numbers.circumstances.outline.of_the_paper:
+        body = list(observation_tables(numbers.tables))
+        return Section("tables", "Tables I and II: observation tables", body)
+    entries = numbers.tables
+    known = any(entry["standard_error"] == entry["standard_error"] for entry in entries)
+    said = "± is one standard error." if known else "The model has no counts and so no standard errors."
+    shown = _table_rows(entries, beside_printed=False)
+    if len(shown) > MOST_ROWS:
+        said += f" These are the first {MOST_ROWS} of {len(shown)} rows; tables.csv has all."
+    body = [f"<p>p(observed | true). {said}</p>", _table(shown[:MOST_ROWS])]
+    return Section("tables", "Observation tables, as the paper's Tables I and II", body)
+
+
+def main_findings(results: Sequence[ClaimResult], outline: Outline) -> Iterable[str]:
+    """Yield the findings of the paper's own condition, which is the first, in words, and those on scans.
+
+    Of a model of one's own, yield those of the planners and policies, which are few.
+    """
+    yield f"<p>{CONCLUDED} {PAPERS_TABLES if outline.of_the_paper else DRAWN}</p>"
+    if not outline.of_the_paper:
+        judged = [r for r in results if any(r.where.endswith(f", {name}") for name in outline.judged)]
+        yield from _by_condition(judged)
+        yield "<p>All others are <a href='#claims'>at the end</a>.</p>"
+        return
     own = results[0].where
     shown = [result for result in results if result.where == own or result.where.startswith(SCANS)]
-    yield f"<p>{CONCLUDED}</p>"
     yield from _by_condition(shown)
     yield "<p>All others are <a href='#claims'>at the end</a>.</p>"
 
@@ -171,16 +211,18 @@ def observation_tables(entries: Sequence[Row]) -> Iterable[str]:
     yield _table(_table_rows(entries))
 
 
-def _table_rows(entries: Sequence[Row]) -> list[dict[str, str]]:
-    """Return a row for each position, true class and viewpoint, a column for each observed class."""
+def _table_rows(entries: Sequence[Row], *, beside_printed: bool = True) -> list[dict[str, str]]:
+    """Return a row for each position, true class and viewpoint, a column for each observed label."""
     rows: dict[tuple[int, str, str], dict[str, str]] = {}
     for entry in entries:
         position, true, viewpoint = key = entry["position"], entry["true"], entry["viewpoint"]
         row = rows.setdefault(key, {"position": str(position), "true": true, "viewpoint": viewpoint})
-        row[entry["observed"]] = f"{entry['probability']:.3f} ± {entry['standard_error']:.3f}"
-        row[f"{entry['observed']}, paper"] = _printed(position, true, viewpoint, entry["observed"])
+        error = entry["standard_error"]
+        row[entry["observed"]] = f"{entry['probability']:.3f}" + (f" ± {error:.3f}" if error == error else "")
+        if beside_printed:
+            row[f"{entry['observed']}, paper"] = _printed(position, true, viewpoint, entry["observed"])
     classes = list(dict.fromkeys(true for _, true, _ in rows))
-    return [rows[key] for key in sorted(rows, key=lambda key: (key[0], classes.index(key[1]), key[2]))]
+    return [rows[key] for key in sorted(rows, key=lambda key: (key[0], classes.index(key[1])))]
 
 
 def _printed(position: int, true: str, viewpoint: str, observed: str) -> str:
@@ -197,7 +239,7 @@ def _printed(position: int, true: str, viewpoint: str, observed: str) -> str:
     return f"{model.p_obs[position - 1, k, a, b]:.1f}"
 
 
-def _figure(picture: Picture, folder: Path) -> str:
+def _figure(picture: Picture, folder: Path, outline: Outline) -> str:
     """Return a figure with its caption; letters are as large in every one, since all have the same scale."""
     path = folder / f"{picture.name}.png"
     with extra("plot"):
@@ -205,14 +247,16 @@ def _figure(picture: Picture, folder: Path) -> str:
     with Image.open(path) as drawn:
         width = round(drawn.width * SHOWN_DPI / DPI)
     data = b64encode(path.read_bytes()).decode()
-    caption = escape(f"{picture.caption} {NOTES.get(picture.name, '')}".strip())
+    note = NOTES.get(picture.name, "") if outline.of_the_paper else ""
+    caption = escape(f"{picture.caption} {note}".strip())
     image = f"<img alt='{caption}' width='{width}' src='data:image/png;base64,{data}'>"
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 
-def _numbers(numbers: Numbers, discount: float) -> Iterable[str]:
-    for title, source in (*SOURCES, *WITH_MODES):
-        rows = select(numbers.rows, discount=discount, r_min=R_MIN, **source)
+def _numbers(numbers: Numbers) -> Iterable[str]:
+    outline, discount = numbers.circumstances.outline, numbers.circumstances.design.discounts[0]
+    for title, source in (*((each.title, each.condition) for each in outline.sources), *WITH_MODES):
+        rows = select(numbers.rows, discount=discount, r_min=outline.r_min, **source)
         if not rows:
             continue
         rows.sort(
@@ -240,12 +284,15 @@ def _cell(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def _page(sections: Sequence[Section], *, thinned: bool) -> str:
-    head = f"<meta charset='utf-8'><title>beltsort: the paper again</title><style>{STYLE}</style>"
+def _page(outline: Outline, sections: Sequence[Section], *, thinned: bool) -> str:
+    title = "beltsort: the paper again" if outline.of_the_paper else escape(outline.title)
+    head = f"<meta charset='utf-8'><title>{title}</title><style>{STYLE}</style>"
+    few = THINNED if outline.of_the_paper else THINNED_OWN
     links = "".join(f"<li><a href='#{section.name}'>{escape(section.title)}</a></li>" for section in sections)
     lines = [
-        "<h1>Sorting objects from a conveyor belt: the paper's experiments again</h1>",
-        *([f"<p><strong>{THINNED}</strong></p>"] if thinned else []),
+        f"<h1>{escape(outline.title)}</h1>",
+        *([f"<p><strong>{few}</strong></p>"] if thinned else []),
+        *(f"<p>{escape(sentence)}</p>" for sentence in outline.left_out),
         f"<nav><ol>{links}</ol></nav>",
     ]
     for section in sections:

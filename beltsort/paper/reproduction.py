@@ -11,6 +11,8 @@ from beltsort.paper.figures import Picture, draw_all
 from beltsort.paper.files import Numbers
 from beltsort.paper.report import write_report
 from beltsort.paper.run import STORE, Results, cell_of, run_experiments
+from beltsort.paper.scans import PreparedCell
+from beltsort.paper.study import Study
 from beltsort.sim.demo import check_seed
 from beltsort.sim.prepare import Prepared, StageProgress
 from beltsort.sorting.runs import make_folder
@@ -52,9 +54,9 @@ class Reproduction(Redrawn):
 
 
 def reproduce(
-    prepared: Prepared,
+    prepared: Prepared | None,
     folder: Path,
-    design: Design = FULL,
+    design: Design | Study = FULL,
     *,
     seed: int = 0,
     workers: int | None = None,
@@ -68,7 +70,8 @@ def reproduce(
     Parameters
     ----------
     prepared
-        Classifier and tables of the default simulated cell: `beltsort.sim.prepare.prepare()`.
+        Classifier and tables of the default simulated cell: `beltsort.sim.prepare.prepare()`. None for
+        a study of one's own, from `own_study`.
     folder
         Made if missing.
     design, seed, workers, stage
@@ -85,18 +88,18 @@ def reproduce(
     """
     check_seed(seed)
     make_folder(folder)
-    cell = cell_of(prepared, folder / STORE)
+    cell = None if prepared is None else cell_of(prepared, folder / STORE)
     results = run_experiments(cell, folder, design, seed=seed, workers=workers, stage=stage)
-    about = Circumstances.now(command, seed, design, results.seconds)
-    numbers = Numbers.of(results, prepared.counts, about)
+    about = Circumstances.now(command, seed, results.study, results.seconds)
+    numbers = Numbers.of(results, None if prepared is None else prepared.counts, about)
     tables = numbers.write(folder)
     began = perf_counter()
-    drawn = _draw(prepared, numbers, folder)
+    drawn = _draw(cell, numbers, folder)
     results.seconds["figures"] = perf_counter() - began
     return Reproduction(numbers, drawn.pictures, drawn.report, results, tables)
 
 
-def redraw(prepared: Prepared, source: Path, folder: Path) -> Redrawn:
+def redraw(prepared: Prepared | None, source: Path, folder: Path) -> Redrawn:
     """Draw the figures and write the report from the files of an earlier reproduction.
 
     Figures 1 to 3 show no numbers of these files: they are computed again.
@@ -104,7 +107,7 @@ def redraw(prepared: Prepared, source: Path, folder: Path) -> Redrawn:
     Parameters
     ----------
     prepared
-        As in `reproduce`; for Fig. 3.
+        As in `reproduce`; for Fig. 3. None leaves figures 1 to 3 out.
     source
         Folder of the reproduction.
     folder
@@ -119,10 +122,10 @@ def redraw(prepared: Prepared, source: Path, folder: Path) -> Redrawn:
     """
     numbers = Numbers.read(source)
     make_folder(folder)
-    return _draw(prepared, numbers, folder)
-
-
-def _draw(prepared: Prepared, numbers: Numbers, folder: Path) -> Redrawn:
     with TemporaryDirectory() as scratch:
-        pictures = draw_all(numbers, cell_of(prepared, Path(scratch)), folder)
+        return _draw(None if prepared is None else cell_of(prepared, Path(scratch)), numbers, folder)
+
+
+def _draw(cell: PreparedCell | None, numbers: Numbers, folder: Path) -> Redrawn:
+    pictures = draw_all(numbers, cell, folder)
     return Redrawn(numbers, pictures, write_report(numbers, pictures, folder))

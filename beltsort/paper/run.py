@@ -10,13 +10,13 @@ from beltsort.models import simulated
 from beltsort.paper.beyond import beyond_points
 from beltsort.paper.claims import all_claims
 from beltsort.paper.design import Design
-from beltsort.paper.instances import PAPER
 from beltsort.paper.labels import label_points, simulate_labels
 from beltsort.paper.modes import mode_label_points, mode_scan_points
 from beltsort.paper.optimum import bound_optimum, optimum_points
 from beltsort.paper.outcomes import Point, Row, pooled
 from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
 from beltsort.paper.statistics import ClaimResult
+from beltsort.paper.study import Study, papers_study
 from beltsort.sim import CellConfig
 from beltsort.sim.prepare import Prepared, StageProgress
 from beltsort.sweep.engine import run_points
@@ -31,8 +31,10 @@ class Results:
 
     Attributes
     ----------
+    study
+        What was sorted, and what was varied.
     cell
-        The simulated cell whose tables and classifier were used.
+        The simulated cell whose tables and classifier were used; None: of labels from tables only.
     labels, scans, beyond
         Rows of the experiments with labels drawn from tables, of those with depth scans, and of the studies
         that go beyond the paper's.
@@ -42,7 +44,8 @@ class Results:
         Duration of each stage in this run, seconds.
     """
 
-    cell: PreparedCell
+    study: Study
+    cell: PreparedCell | None
     labels: list[Row]
     scans: list[Row]
     beyond: list[Row]
@@ -61,7 +64,7 @@ class Results:
 
     def claims(self) -> list[ClaimResult]:
         """Return, for each claim of the paper, whether the results support it."""
-        return all_claims(self.rows, self.beyond, self.optimum)
+        return all_claims(self.rows, self.beyond, self.optimum, self.study.outline)
 
 
 def cell_of(prepared: Prepared, folder: Path) -> PreparedCell:
@@ -74,9 +77,9 @@ def cell_of(prepared: Prepared, folder: Path) -> PreparedCell:
 
 
 def run_experiments(
-    cell: PreparedCell,
+    cell: PreparedCell | None,
     folder: Path,
-    design: Design,
+    design: Design | Study,
     *,
     seed: int = 0,
     workers: int | None = None,
@@ -90,11 +93,11 @@ def run_experiments(
     Parameters
     ----------
     cell
-        The simulated cell, from `cell_of`.
+        The simulated cell, from `cell_of`; None leaves its tables and depth scans out.
     folder
         Folder in which finished points are stored.
     design
-        `FULL`, `QUICK`, or your own.
+        `FULL`, `QUICK`, or your own, of the paper's study; or another study, from `own_study`.
     seed
         Seed of all experiments.
     workers
@@ -108,19 +111,31 @@ def run_experiments(
     ArgumentError
         If the seed is negative or `workers` is below 1.
     """
-    stages: dict[str, tuple[Task, list[Point]]] = {
-        "labels": (
-            simulate_labels,
-            label_points(design, seed, (PAPER, cell.instance)) + mode_label_points(design, seed, cell),
-        ),
-        "scans": (sort_scans, scan_points(design, seed, cell) + mode_scan_points(design, seed, cell)),
-        "beyond": (simulate_labels, beyond_points(design, seed)),
-        "optimum": (bound_optimum, optimum_points(design, seed)),
-    }
-    rows, seconds = {}, {}
-    for name, (task, points) in stages.items():
+    study = design if isinstance(design, Study) else papers_study(design)
+    rows: dict[str, list[Row]] = {"labels": [], "scans": [], "beyond": [], "optimum": []}
+    seconds: dict[str, float] = {}
+    for name, (task, points) in _stages(cell, study, seed).items():
         began = perf_counter()
-        progress = None if stage is None else stage(name)
-        rows[name] = run_points(task, points, folder / STORE / name, workers=workers, progress=progress)
-        seconds[name] = perf_counter() - began
-    return Results(cell, rows["labels"], pooled(rows["scans"]), rows["beyond"], rows["optimum"], seconds)
+        if points:
+            progress = None if stage is None else stage(name)
+            rows[name] = run_points(task, points, folder / STORE / name, workers=workers, progress=progress)
+            seconds[name] = perf_counter() - began
+    return Results(
+        study, cell, rows["labels"], pooled(rows["scans"]), rows["beyond"], rows["optimum"], seconds
+    )
+
+
+def _stages(cell: PreparedCell | None, study: Study, seed: int) -> dict[str, tuple[Task, list[Point]]]:
+    """Return the task and the points of each stage, by name."""
+    design, outline = study.design, study.outline
+    labels = label_points(design, seed, [study.instance], outline)
+    scans: list[Point] = []
+    if cell is not None:
+        labels += label_points(design, seed, [cell.instance], outline) + mode_label_points(design, seed, cell)
+        scans = scan_points(design, seed, cell) + mode_scan_points(design, seed, cell)
+    return {
+        "labels": (simulate_labels, labels),
+        "scans": (sort_scans, scans),
+        "beyond": (simulate_labels, beyond_points(design, seed)),
+        "optimum": (bound_optimum, optimum_points(seed, study)),
+    }

@@ -16,16 +16,13 @@ import numpy as np
 from beltsort import Despot, SortingModel
 from beltsort.paper.design import Design, Stream, seed_of
 from beltsort.paper.instances import OBJECTS, Instance
-from beltsort.paper.labels import STUDY
-from beltsort.paper.outcomes import Point, Row
+from beltsort.paper.outcomes import SCANS, STUDY, Point, Row
 from beltsort.paper.policies import BATCH, RECOMMENDED
 from beltsort.perception import NearestNeighbour, perception_for
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.report import SortingReport
-
-LEVEL = "depth scans"
 
 
 @dataclass(frozen=True)
@@ -92,7 +89,7 @@ def scan_point(
     return {
         "study": STUDY,
         "setting": None,
-        "level": LEVEL,
+        "level": SCANS,
         "instance": cell.instance.name,
         "objects": OBJECTS[0].name,
         "classes": list(OBJECTS[0].classes),

@@ -21,6 +21,7 @@ PALETTE = 128  # colours of a PNG
 ROW = 1.05  # inches; height of a panel
 ERROR_BARS = f"Error bars: {100 * CONFIDENCE:.0f} % confidence intervals of the mean"
 LARGEST, SMALLER = 4.6, 0.7  # points; markers of the first curve, and by how much each further one is smaller
+SMALLEST = 2.4
 Look: TypeAlias = dict[str, Any]
 """Keywords of matplotlib's `plot`."""
 
@@ -47,7 +48,7 @@ def style(number: int, *, filled: bool = True) -> Look:
         "marker": MARKERS[number % len(MARKERS)],
         "linestyle": LINES[number % len(LINES)],
         "markerfacecolor": colour if filled else "white",
-        "markersize": LARGEST - SMALLER * number,
+        "markersize": max(SMALLEST, LARGEST - SMALLER * number),
         "markeredgewidth": 0.7,
         "linewidth": 0.8,
         "elinewidth": 0.7,

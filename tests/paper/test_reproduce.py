@@ -202,6 +202,7 @@ def test_killed_resumed_and_on_two_processes_the_numbers_are_the_same(
     prepared: Prepared, reproduction: Reproduction, folder: Path, tmp_path: Path
 ) -> None:
     cell, model = reproduction.results.cell, tmp_path / "model.json"
+    assert cell is not None
     cell.instance.model.save(model)
     shutil.copytree(folder / STORE, tmp_path / STORE)
     left = {stage: halve(tmp_path / STORE / stage / "rows.sqlite") for stage in ("labels", "scans")}
