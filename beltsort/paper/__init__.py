@@ -36,6 +36,7 @@ from beltsort.paper.instances import FOUR, OBJECTS, PAPER, TWO, Instance, Object
 from beltsort.paper.labels import label_point, label_points, simulate_labels
 from beltsort.paper.optimum import bound_optimum, losses_table
 from beltsort.paper.outcomes import only, plain_table, select
+from beltsort.paper.outline import THE_PAPER, Outline
 from beltsort.paper.reproduction import Redrawn, Reproduction, redraw, reproduce
 from beltsort.paper.run import Results, cell_of, run_experiments
 from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
@@ -49,6 +50,7 @@ __all__ = [
     "OBJECTS",
     "PAPER",
     "QUICK",
+    "THE_PAPER",
     "TWO",
     "ClaimResult",
     "Conclusion",
@@ -56,6 +58,7 @@ __all__ = [
     "Estimate",
     "Instance",
     "Objects",
+    "Outline",
     "PreparedCell",
     "Redrawn",
     "Reproduction",

@@ -168,7 +168,7 @@ def _of_the_optimum(numbers: Numbers) -> "Iterator[tuple[str, Figure, str]]":
     if numbers.beyond:
         yield (
             "beyond", beyond_figure(numbers.beyond),
-            "Beyond the paper (paper's tables, r_min = 50): a reward for information, more positions, a wrong "
-            "table, the arrival prior. The scale of right decisions does not begin at 0. "
+            "Beyond the paper (paper's tables, r_min = 50): a reward for information, more positions, a "
+            "wrong table, the arrival prior. The scale of right decisions does not begin at 0. "
             f"{ERROR_BARS}.",
         )  # fmt: skip

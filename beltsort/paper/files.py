@@ -168,7 +168,7 @@ def _typed(row: Mapping[str, str]) -> Row:
 
 def _value(name: str, text: str) -> str | float | int | None:
     if not text:
-        return math.nan if name.endswith("_standard_error") else None
+        return math.nan if name.endswith("standard_error") else None
     for number in (int, float):
         with suppress(ValueError):
             return number(text)

@@ -19,7 +19,7 @@ TICKS = 5
 
 OF_BULBS = (
     "Depth scans, and the studies beyond the paper's (bonus for information, wrong tables, arrival prior), "
-    "are of the paper's bulbs only."
+    "are of the paper's bulbs and are left out."
 )
 
 
@@ -151,7 +151,7 @@ def _papers_policies(models: Sequence[SortingModel]) -> tuple[list[str], list[st
             for model in models:
                 papers_policy(name, model)
         except BeltsortError as reason:
-            left_out.append(f"{name} is left out: {reason}.")
+            left_out.append(f"{name} is left out: {_cause(reason)}.")
         else:
             found.append(name)
     return found, left_out
@@ -165,7 +165,7 @@ def _solvable(models: dict[int, SortingModel]) -> tuple[tuple[int, ...], list[st
         try:
             values_actions = solve(model, seconds=PROBED).values_actions
         except BeltsortError as reason:
-            left_out.append(f"The offline solution with {seen} is left out: {reason}.")
+            left_out.append(f"The offline solution with {seen} is left out: {_cause(reason)}.")
             continue
         if values_actions:
             found.append(number)
@@ -175,6 +175,11 @@ def _solvable(models: dict[int, SortingModel]) -> tuple[tuple[int, ...], list[st
                 "value of every action; it is known for one or two positions with the same moves everywhere."
             )
     return tuple(found), left_out
+
+
+def _cause(reason: BeltsortError) -> str:
+    """Return what an error says without the remedy, which does not apply to a study."""
+    return str(reason.__cause__ or reason).partition(";")[0]
 
 
 def _classes_in_words(model: SortingModel) -> str:
