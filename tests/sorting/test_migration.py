@@ -10,10 +10,11 @@ import pytest
 from beltsort.cli import main
 from beltsort.errors import JournalError
 from beltsort.models import paper
-from beltsort.sorting.audit import object_history, steps_of
+from beltsort.sorting.audit import steps_of
 from beltsort.sorting.journal import Journal, read_journal
 from beltsort.sorting.journal_files import JOURNAL, SCHEMA
 from beltsort.sorting.migration import migrate
+from beltsort.sorting.object_history import object_history
 from beltsort.sorting.progress import Progress
 from tests.sorting.test_journal import START
 
