@@ -14,8 +14,8 @@ OWN = "own"
 PROBED = 0.01
 """Seconds given to the offline solver to tell whether it values the actions of a model."""
 
-TICKS = 5
-"""Most penalties that an axis names."""
+TICKS = 6
+"""Names of penalties that an axis has room for, and one more."""
 
 OF_BULBS = (
     "Depth scans, and the studies beyond the paper's (bonus for information, wrong tables, arrival prior), "
@@ -187,6 +187,17 @@ def _classes_in_words(model: SortingModel) -> str:
 
 
 def _ticks(penalties: Sequence[float]) -> tuple[float, ...]:
-    """Return penalties that are not too near each other on a logarithmic axis, both ends among them."""
-    step = (len(penalties) - 1) / (min(TICKS, len(penalties)) - 1)
-    return tuple(dict.fromkeys(penalties[round(step * n)] for n in range(min(TICKS, len(penalties)))))
+    """Return penalties that are not too near each other on a logarithmic axis, both ends among them.
+
+    Examples
+    --------
+    >>> _ticks((5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 350.0, 500.0))
+    (5.0, 20.0, 50.0, 200.0, 500.0)
+    """
+    first, *_, last = penalties
+    apart = (last / first) ** (1.0 / TICKS)
+    found = [first]
+    for penalty in penalties:
+        if penalty >= apart * found[-1] and last >= apart * penalty:
+            found.append(penalty)
+    return (*found, last)
