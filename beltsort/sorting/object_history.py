@@ -147,7 +147,5 @@ def _not_seen(number: int, seen: set[int], progress: Progress) -> str:
     if number < progress.first or number >= progress.end:
         return f"{text}, and the run sorts {objects_in_words(progress)}"
     if number < progress.index:
-        return (
-            f"{text}: this file of the journal begins later, earlier ones are beside it while they are kept"
-        )
+        return f"{text}: it left the belt before the oldest entry that is still kept"
     return f"{text}: it has not been seen yet, object {progress.index} is at the belt end"

@@ -180,5 +180,5 @@ def test_an_object_of_an_earlier_file(sorted_run: tuple[Path, SortingReport], tm
     with Journal(journal, resume=True, keep=1) as open_journal:
         for _ in range(2):
             open_journal.rotate(progress_in(journal).snapshot())
-    with pytest.raises(JournalError, match=r"no object 2; .* begins later"):
+    with pytest.raises(JournalError, match=r"no object 2; .* left the belt before the oldest entry"):
         object_history(read_journal(journal), 2)
