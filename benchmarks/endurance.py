@@ -202,7 +202,7 @@ def measure(folder: Path, objects: int, every: int, *, scans: bool) -> None:
         sort_into(
             *(folder, cell, perceive, planner, model),
             objects=objects,
-            listeners=[log, metrics, observer],
+            listener=[log, metrics, observer],
         )
     began, before = time.perf_counter(), rss()
     progress_in(folder / JOURNAL)

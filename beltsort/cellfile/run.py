@@ -85,7 +85,7 @@ class CellRun:
 
     def sort(
         self,
-        listeners: Listeners = None,
+        listener: Listeners = None,
         operator: Operator = nobody,
         check: Check = nothing,
         *,
@@ -94,9 +94,9 @@ class CellRun:
     ) -> SortingReport:
         """Sort the objects, or those that are left, and record every step in the journal.
 
-        All devices are stopped if the run ends early. `listeners` are called with every entry of the
-        journal; one that fails is not called again. `operator` and `check` are as in
-        `beltsort.sorting.loop.sort_objects`. `allow_hold` makes a token with which a person can hold and
+        All devices are stopped if the run ends early. `listener` is called with every entry of the
+        journal; there may be several, and one that fails is not called again. `operator` and `check` are as
+        in `beltsort.sorting.loop.sort_objects`. `allow_hold` makes a token with which a person can hold and
         continue the run (`beltsort.sorting.requests`); a run without it goes on after an earlier hold. A
         `recorder` writes a recording for the rerun viewer.
 
@@ -114,19 +114,19 @@ class CellRun:
         with run, devices_locked(self.devices), recorder or nullcontext():
             if not allow_hold:
                 drop_requests(self.folder)
-                return self._sort(listeners, operator, check, None, recorder)
+                return self._sort(listener, operator, check, None, recorder)
             with taking_requests(self.folder):
-                return self._sort(listeners, operator, check, self.folder, recorder)
+                return self._sort(listener, operator, check, self.folder, recorder)
 
     def _sort(
         self,
-        listeners: Listeners,
+        listener: Listeners,
         operator: Operator,
         check: Check,
         requests: Path | None,
         recorder: Recorder | None,
     ) -> SortingReport:
-        heard_by = (recorder, *listeners_of(listeners))
+        heard_by = (recorder, *listeners_of(listener))
         scan_listener = None if recorder is None else recorder.scanned
         description = self.description
         settings = description.perception
@@ -162,7 +162,7 @@ class CellRun:
             rules=description.rules,
             operator=operator,
             drift=description.drift,
-            listeners=heard_by,
+            listener=heard_by,
             check=check,
             requests=requests,
             scan_listener=scan_listener,

@@ -139,7 +139,7 @@ def run_demo(
             planner,
             model,
             objects=OBJECTS,
-            listeners=(recorder, listener),
+            listener=(recorder, listener),
             scan_listener=None if recorder is None else recorder.scanned,
         )
     sorted_at = perf_counter()

@@ -77,6 +77,8 @@ class World:
     def advance_to(self, index: int) -> None:
         """Bring another object to the belt end."""
         self.first, self._removed, self._scene = index, False, None
+        # What has left the belt is drawn again if a run is restored: it is a function of seed and number.
+        self._objects = {number: mesh for number, mesh in self._objects.items() if number >= index}
 
     def scene(self) -> Scene:
         """Return the current scene, which is cached until the belt moves or an object is removed."""

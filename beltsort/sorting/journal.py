@@ -85,8 +85,9 @@ class Journal:
     ----------
     path
         The SQLite file; it must not exist yet, unless the run is resumed.
-    listeners
-        Called with every entry after it has been written; one that fails is not called again.
+    listener
+        Called with every entry after it has been written; there may be several. One that fails is not called
+        again.
     resume
         Continue an existing journal.
     largest
@@ -103,7 +104,7 @@ class Journal:
     def __init__(
         self,
         path: Path,
-        listeners: Listeners = None,
+        listener: Listeners = None,
         *,
         resume: bool = False,
         largest: int = 100_000_000,
@@ -113,7 +114,7 @@ class Journal:
             raise JournalError(f"{path} exists already; a run never overwrites another: name a new file")
         last = _last_row(path) if resume else None
         self.path = path
-        self._listeners = listeners_of(listeners)
+        self._listeners = listeners_of(listener)
         self._largest, self._keep = largest, keep
         with self._failing_as("made"):
             self._database = open_journal(path)
@@ -273,11 +274,11 @@ def entries_before(path: Path, number: int, kinds: Sequence[str]) -> Iterator[En
             yield entry
 
 
-def listeners_of(listeners: Listeners) -> tuple[Listener, ...]:
+def listeners_of(given: Listeners) -> tuple[Listener, ...]:
     """Return listeners as a tuple."""
-    if listeners is None:
+    if given is None:
         return ()
-    every = [listeners] if callable(listeners) else listeners
+    every = [given] if callable(given) else given
     return tuple(listener for listener in every if listener is not None)
 
 

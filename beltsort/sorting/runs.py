@@ -60,19 +60,19 @@ def sort_into(
     rules: Rules | None = None,
     operator: Operator = nobody,
     drift: Drift | None = None,
-    listeners: Listeners = None,
+    listener: Listeners = None,
     check: Check = nothing,
     requests: Path | None = None,
     scan_listener: ScanListener | None = None,
 ) -> SortingReport:
     """Sort the next objects of the belt; model, journal and latest scans are kept in an existing folder.
 
-    Parameters, returns and raises as `beltsort.sorting.loop.sort_objects`; `listeners` are called with every
-    entry of the journal.
+    Parameters, returns and raises as `beltsort.sorting.loop.sort_objects`; `listener` (there may
+    be several) is called with every entry of the journal.
     """
     rules = rules or Rules()
     model.save(folder / MODEL)
-    with Journal(folder / JOURNAL, listeners) as journal:
+    with Journal(folder / JOURNAL, listener) as journal:
         return sort_objects(
             *(cell, perceive, policy, model, journal),
             objects=objects,

@@ -38,7 +38,7 @@ def run_of(folder: Path, listeners: Listeners, *, refused: int = 1) -> SortingRe
     model = paper()
     cell = Stubborn(model, refused=refused)
     sorted_with = (folder, cell, scripted(SEEN), LookOnce(), model)
-    return sort_into(*sorted_with, objects=4, rules=RULES, listeners=listeners)
+    return sort_into(*sorted_with, objects=4, rules=RULES, listener=listeners)
 
 
 def resumed(folder: Path, listeners: Listeners, *, first: int) -> SortingReport:

@@ -292,3 +292,11 @@ def test_numbers_without_sense_are_refused(
 ) -> None:
     with pytest.raises(CellError, match=said):
         kind(**settings)
+
+
+def test_what_has_left_the_belt_takes_no_memory() -> None:
+    cell = SimulatedCell([0] * 10)
+    for number in range(1, 8):
+        cell.advance_to(number, f"advance-{number}")
+        cell.scan(not_before=0.0)
+    assert min(cell._world._objects) == 7

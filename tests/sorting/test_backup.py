@@ -59,7 +59,7 @@ def test_a_backup_of_a_run_in_progress_can_be_resumed(tmp_path: Path) -> None:
             taken.append(backup_run(run, tmp_path / "copy"))
 
     perceive = scripted([[1, 2]] * 100)
-    sort_into(run, cell, perceive, LookOnce(), model, objects=6, listeners=[back_up])
+    sort_into(run, cell, perceive, LookOnce(), model, objects=6, listener=[back_up])
     (backup,) = taken
     assert 0 < backup.index < 6
     assert len(read_journal(run / JOURNAL)) > backup.last, "the run went on"
