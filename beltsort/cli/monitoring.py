@@ -35,7 +35,8 @@ def add_monitoring(parser: ArgumentParser) -> None:
         "--metrics",
         type=int,
         metavar="PORT",
-        help="serve metrics for Prometheus on a port of this computer; 0: any that is free",
+        help="serve metrics for Prometheus on a port of this computer, 0 for any that is free (extra "
+        "`metrics`)",
     )
 
 
