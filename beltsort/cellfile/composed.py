@@ -96,7 +96,7 @@ def compose(
     kinds = _all_of(lambda role: backend(role, description.device(role).backend))
     maker = _Maker(description, made)
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
-    printed = tuple(role for role in MOVERS if not live and not kinds[role].harmless)
+    printed = roles_in_dry_run(description, live=live)
     camera_is_still = "arm" in printed or kinds["arm"].absent
     camera = devices["camera"]
     camera_follows = isinstance(camera, FollowsBelt) and camera is not devices["belt"]
@@ -120,6 +120,19 @@ def compose(
         poses=tuple(None if camera_is_still else viewpoint.pose() for viewpoint in description.viewpoints),
         bin_numbers=description.bin_numbers,
     )
+
+
+def roles_in_dry_run(description: CellDescription, *, live: bool) -> tuple[str, ...]:
+    """Return the names of the devices whose commands are printed instead of sent.
+
+    Raises
+    ------
+    CellFileError
+        If there is no such back-end.
+    """
+    if live:
+        return ()
+    return tuple(role for role in MOVERS if not backend(role, description.device(role).backend).harmless)
 
 
 @dataclass

@@ -33,9 +33,11 @@ from beltsort.util.problems import Problem
 from beltsort.util.validation import OWN_CHECKS
 
 with extra("cell"):
-    from pydantic import Field, NonNegativeInt, PositiveInt, PrivateAttr
+    from pydantic import BeforeValidator, Field, NonNegativeInt, PositiveInt, PrivateAttr
 
 VERSION = 1
+UNLIMITED = "unlimited"
+"""The number of objects of a run that goes on until it is told to stop."""
 
 
 class CellDescription(Section):
@@ -63,8 +65,8 @@ class CellDescription(Section):
     """The sorter's number of each of the model's bins; 0, 1, 2, ... for those of the classes if missing."""
     reject_bin: NonNegativeInt | None = None
     """The sorter's number of the bin for undecided objects; none if missing."""
-    objects: PositiveInt = 10
-    """Number of objects in a run, empty cups included."""
+    objects: Annotated[PositiveInt | None, BeforeValidator(lambda n: None if n == UNLIMITED else n)] = 10
+    """Number of objects in a run, empty cups included, or "unlimited": until it is told to stop (None)."""
     belt_ends: bool = False
     """Whether no objects follow; the planner then spends more looks on the last ones."""
     model: str | None = None
@@ -99,7 +101,7 @@ class CellDescription(Section):
     """Limits of `beltsort check`."""
     faults: FaultSection | None = None
     """Faults to inject."""
-    _folder: Path = PrivateAttr(default=Path())
+    _file: Path = PrivateAttr(default=Path())
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -113,8 +115,13 @@ class CellDescription(Section):
         description = validated(cls, _read(Path(path)))
         if problems := list(contradictions(description)):
             raise CellFileError(problems)
-        description._folder = Path(path).parent
+        description._file = Path(path)
         return description
+
+    @property
+    def file(self) -> Path:
+        """The cell file."""
+        return self._file
 
     @property
     def bin_names(self) -> tuple[str, ...]:
@@ -158,7 +165,7 @@ class CellDescription(Section):
 
     def path(self, name: str) -> Path:
         """Return a path in the file, resolved relative to the file's folder."""
-        return self._folder / name
+        return self._file.parent / name
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -191,6 +198,8 @@ def contradictions(cell: CellDescription) -> Iterator[Problem]:
     for key, names in (("classes", cell.classes), ("viewpoints", cell.viewpoint_names)):
         if len(set(names)) < len(names):
             yield Problem(key, f"are named {list(names)}, expected no name twice: rename them")
+    if cell.objects is None and cell.belt_ends:
+        yield Problem("belt_ends", 'is true, but objects is "unlimited"; give their number, or leave one out')
     yield from _bins(cell)
     yield from _model_files(cell)
     yield from _joints(cell)

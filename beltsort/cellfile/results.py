@@ -29,6 +29,7 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
         "drift": [alarm.to_dict() for alarm in report.drift],
         "pose_faults": dict(report.pose_faults),
         "dry_run": list(run.cell.dry_run),
+        "stopped_by": report.stopped_by,
         "folder": str(run.folder),
     }
 

@@ -31,6 +31,8 @@ from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.requests import drop_requests, taking_requests
 from beltsort.sorting.runs import (
+    CELL,
+    DRY_RUN,
     LOCK,
     POLICY,
     make_folder,
@@ -38,9 +40,6 @@ from beltsort.sorting.runs import (
     sort_into,
     write_true_classes,
 )
-
-DRY_RUN = "-dry-run"
-"""Suffix of the folder's name of a dry run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,8 +146,9 @@ class CellRun:
         first = self._first_object()
         check_ready(self.cell)
         (self.folder / POLICY).write_text(f"{self.policy_name}\n", "utf-8")
+        (self.folder / CELL).write_text(f"{description.file.resolve()}\n", "utf-8")
         true = true_class_of(self.devices)
-        if true is not None:
+        if true is not None and description.objects is not None:
             write_true_classes(self.folder, first, [true(first + n) for n in range(description.objects)])
         return sort_into(
             self.folder,

@@ -1,7 +1,8 @@
 """The back-end `simulated`: one simulated cell as all four devices."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import chain, islice, repeat
 from typing import TYPE_CHECKING
 
 from beltsort.cellfile.description import CellDescription
@@ -60,14 +61,17 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
     """
     from beltsort.sim.cell import SimulatedCell
 
-    labels, config = true_labels(options, cell), config_of(cell, options)
+    config = config_of(cell, options)
+    labels = true_labels(options, cell)
+    number = 0 if cell.objects is None else max(cell.objects, len(options.true_labels))
     return SimulatedCell(
-        labels,
+        list(islice(labels, number)),
         config,
         seed=options.seed,
         placement=cell.placement,
         bin_names=cell.bin_names,
         reject_bin=None if cell.reject_bin is None else len(cell.bin_names),
+        further=labels if cell.objects is None else None,
     )
 
 
@@ -129,8 +133,8 @@ def _on_sphere(viewpoint: Viewpoint) -> SphereViewpoint:
     return SphereViewpoint(viewpoint.name, viewpoint.azimuth, viewpoint.elevation, viewpoint.radius)
 
 
-def true_labels(options: SimulatedOptions, cell: CellDescription) -> list[int | None]:
-    """Return the class index of each object of the run, None for an empty cup.
+def true_labels(options: SimulatedOptions, cell: CellDescription) -> Iterator[int | None]:
+    """Return the class index of each object on the belt, None for an empty cup, without end.
 
     Raises
     ------
@@ -142,12 +146,11 @@ def true_labels(options: SimulatedOptions, cell: CellDescription) -> list[int | 
             if name not in known:
                 raise CellFileError.of(f"{key}[{number}]", f"is {name!r}; {nearest_of(name, known)}")
     if options.true_labels:
-        padding = [EMPTY_CUP] * (cell.objects - len(options.true_labels))
-        names = [*options.true_labels, *padding]
-        return [None if name == EMPTY_CUP else cell.classes.index(name) for name in names]
-    choice = options.draw_from or cell.classes
-    drawn = generator(options.seed, LABEL_STREAM).integers(len(choice), size=cell.objects)
-    return [cell.classes.index(choice[i]) for i in drawn]
+        given = [None if name == EMPTY_CUP else cell.classes.index(name) for name in options.true_labels]
+        return chain(given, repeat(None))
+    choice = [cell.classes.index(name) for name in options.draw_from or cell.classes]
+    rng = generator(options.seed, LABEL_STREAM)
+    return (choice[rng.integers(len(choice))] for _ in repeat(None))
 
 
 BACKEND = backend_of(SimulatedOptions, make, shared=True, harmless=True, numbered=False)

@@ -61,7 +61,8 @@ class LiveView:
         self._recent: list[str] = []
         self._sorted: Counter[str] = Counter()
         self._why = ""
-        self._objects = self._empty = 0
+        self._objects: int | None = None
+        self._empty = 0
 
     def __enter__(self) -> Self:
         """Start the display."""
@@ -103,7 +104,8 @@ class LiveView:
 
     def _belt(self) -> Text:
         counts = ", ".join(f"{count} {name}" for name, count in self._sorted.most_common())
-        done = f"sorted {self._sorted.total()} of {self._objects}, {self._empty} empty"
+        of = "" if self._objects is None else f" of {self._objects}"
+        done = f"sorted {self._sorted.total()}{of}, {self._empty} empty"
         text = Text(f"{done}: {counts}" if counts else done, style="green")
         text.no_wrap, text.overflow = True, "ellipsis"
         return text

@@ -2,29 +2,33 @@
 
 import shlex
 import sys
-from argparse import Namespace
+from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from beltsort import ArgumentError, BeltsortError
-from beltsort.cell.commands import SortInto
 from beltsort.cli.arguments import Subparsers, add_cell, add_json, add_rrd
 from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
 from beltsort.cli.monitoring import Monitoring, add_monitoring, monitoring, monitoring_words
+from beltsort.cli.operator import CommandLineOperator
 from beltsort.cli.output import print_cell_mode, print_json, print_recording, print_status
 from beltsort.cli.progress import stage_progress
+from beltsort.cli.signs_of_life import SignsOfLife, check_watchdog
 from beltsort.planning.named_policy import HELP, located_policy
 from beltsort.sorting.holds import Answer, HeldError, Hold
 from beltsort.sorting.interrupts import Interrupts
 from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.runs import LATEST, RUNS, make_folder, unfinished_run
+from beltsort.util.notify import ServiceManager
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from beltsort.cellfile.description import CellDescription
     from beltsort.cellfile.run import CellRun
-    from beltsort.sorting.progress import Progress
     from beltsort.sorting.report import SortingReport
+
+UNLIMITED = "unlimited"
 
 EXAMPLE = "beltsort run cell.toml --objects 5"
 
@@ -41,17 +45,29 @@ def add_parser(subparsers: Subparsers) -> None:
     add_cell(parser)
     parser.add_argument(
         "--objects",
-        type=int,
+        type=number_of_objects,
         metavar="N",
-        help="number of objects, empty cups included (default: that of the cell file)",
+        help="number of objects, empty cups included, or `unlimited`: until the run is told to stop "
+        "(default: that of the cell file)",
     )
     parser.add_argument(
         "--policy",
         metavar="POLICY",
         help=f"chooses the actions, in place of [planner] in the cell file: {HELP}",
     )
-    parser.add_argument(
-        "--resume", type=Path, metavar="RUN", help="folder of an interrupted or held run to resume"
+    resuming = parser.add_mutually_exclusive_group()
+    resuming.add_argument(
+        "--resume",
+        type=Path,
+        metavar="RUN",
+        help="folder of an interrupted or held run to resume, or `latest` for the newest run of this cell in "
+        "runs/, which must not be finished",
+    )
+    resuming.add_argument(
+        "--service",
+        action="store_true",
+        help="resume the newest run of this cell in runs/, or start a new run if it is finished or there is "
+        "none: for a service manager (docs/service.md)",
     )
     parser.add_argument(
         "--settle",
@@ -68,7 +84,8 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument(
         "--allow-hold",
         action="store_true",
-        help="let `beltsort watch RUN --control` hold the run between two steps, and continue it",
+        help="let `beltsort hold`, `continue`, `stop` and `settle`, and `beltsort watch RUN --control`, act "
+        "on the run while it goes on",
     )
     add_rrd(parser)
     add_monitoring(parser)
@@ -91,13 +108,15 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
     from beltsort.perception.checks import counted_warnings
     from beltsort.rrd import Recorder
     from beltsort.rrd.package import load_rerun
-    from beltsort.sorting.runs import make_folder
 
     console = RunConsole(stderr=arguments.json)
     if arguments.rrd is not None:
         load_rerun()
     description = load_description(arguments)
-    runs = make_folder(Path("runs"))
+    manager = ServiceManager.of_environment()
+    check_watchdog(manager, description)
+    runs = make_folder(RUNS)
+    resume = run_to_resume(arguments, description)
     with stage_progress(console) as stage:
         opened = open_run(
             description,
@@ -105,7 +124,7 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
             live=arguments.live,
             say=console.print,
             progress=stage,
-            resume=arguments.resume,
+            resume=resume,
             first=arguments.first_object,
             called=watching.called,
         )
@@ -120,12 +139,15 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
         if arguments.rrd is None
         else Recorder(arguments.rrd, opened.cell, opened.model, print_status, true_class)
     )
-    operator = CommandLineOperator(arguments.settle, opened.broken_off)
-    with Interrupts() as interrupts, run_display(console) as listener:
+    requests = opened.folder if arguments.allow_hold else None
+    interrupts = Interrupts()
+    signs = SignsOfLife(manager, interrupts.check)
+    operator = CommandLineOperator(arguments.settle, opened.broken_off, requests, signs.check)
+    with interrupts, run_display(console) as display:
         try:
             with counted_warnings():
                 report = opened.sort(
-                    *((*watching.listeners, listener), operator, interrupts.check),
+                    *((*watching.listeners, signs.listen, display), operator, signs.check),
                     allow_hold=arguments.allow_hold,
                     recorder=recorder,
                 )
@@ -138,7 +160,11 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
             if (opened.folder / JOURNAL).exists():
                 print_status(f"beltsort: to resume: {shlex.join(resume_command(arguments, opened))}")
             raise
+        finally:
+            manager.tell("STOPPING=1")
     print_result(console, opened, report)
+    if report.stopped_by is not None:
+        print_status(f"beltsort: to resume: {shlex.join(resume_command(arguments, opened))}")
     print_recording(arguments.rrd)
     if arguments.json:
         try:
@@ -147,68 +173,6 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
         except BrokenPipeError:
             discard(sys.stdout)
     return 0
-
-
-class CommandLineOperator:
-    """Answers the questions of a held run: the first one with `--settle`, others at the terminal.
-
-    Parameters
-    ----------
-    settle
-        The option's value.
-    broken_off
-        Progress of the run that is resumed; None for a new run.
-
-    Raises
-    ------
-    ArgumentError
-        If the run has no question with this answer.
-    """
-
-    def __init__(self, settle: str | None, broken_off: "Progress | None") -> None:
-        self._answer = None if settle is None else Answer(settle)
-        self._index = None if broken_off is None else broken_off.index
-        if self._answer is not None and (broken_off is None or not may_answer(self._answer, broken_off)):
-            raise ArgumentError(
-                f"--settle is {settle}, but the run waits for no such answer (it may have been given "
-                "already): leave it out"
-            )
-
-    def __call__(self, hold: Hold) -> Answer | None:
-        """Return the answer to a hold, or raise `HeldError` if there is none."""
-        answer, self._answer = self._answer, None
-        if answer in hold.answers and hold.object == self._index:
-            return answer
-        # `beltsort home` drives the belt itself, so this run must end and release it first.
-        homing = any(way.home is not None for way in hold.ways)
-        if homing or sys.stdin is None or not (sys.stdin.isatty() and sys.stderr.isatty()):
-            raise HeldError(hold)
-        return ask(hold)
-
-
-def may_answer(answer: Answer, broken_off: "Progress") -> bool:
-    """Return whether the first question of a resumed run can have this answer."""
-    if answer is Answer.PASSED:
-        return True
-    pending = broken_off.pending
-    sorting = pending is not None and isinstance(pending.act, SortInto)
-    return sorting and broken_off.known_outcome is None
-
-
-def ask(hold: Hold) -> Answer | None:
-    """Ask at the terminal which of the hold's ways applies."""
-    where = "" if hold.command is None else f" at {hold.command.act}"
-    print_status(f"held{where}: {hold.reason}.")
-    ways = {"again" if way.answer is None else way.answer.value: way for way in hold.ways}
-    for word, way in ways.items():
-        print_status(f"    {word}: {way.when}")
-    while True:
-        print_status(f"Enter {' or '.join(ways)}, or nothing to end the run: ")
-        word = sys.stdin.readline().strip().lower()
-        if not word:
-            raise HeldError(hold)
-        if word in ways:
-            return ways[word].answer
 
 
 def ways_to_resume(hold: Hold, arguments: Namespace, opened: "CellRun") -> list[str]:
@@ -257,11 +221,54 @@ def load_description(arguments: Namespace) -> "CellDescription":
     changes: dict[str, object] = {}
     if arguments.policy is not None:
         changes["planner"] = Planner(policy=located_policy(arguments.policy, Path().resolve()))
-    if arguments.objects is not None and arguments.objects < 1:
-        raise ArgumentError(f"--objects is {arguments.objects}, expected at least 1; give a positive number")
-    if arguments.objects is not None:
-        changes["objects"] = arguments.objects
+    objects = arguments.objects
+    if isinstance(objects, int) and objects < 1:
+        raise ArgumentError(f"--objects is {objects}, expected at least 1; give a positive number")
+    if objects is not None:
+        changes["objects"] = None if objects == UNLIMITED else objects
+    if objects == UNLIMITED and description.belt_ends:
+        raise ArgumentError("--objects is unlimited, but belt_ends is true; expected a number: give one")
     return description.model_copy(update=changes)
+
+
+def number_of_objects(text: str) -> int | str:
+    """Parse the number of objects."""
+    if text == UNLIMITED:
+        return text
+    try:
+        return int(text)
+    except ValueError as reason:
+        raise ArgumentTypeError(f"{text!r}: expected a number, or `{UNLIMITED}`") from reason
+
+
+def run_to_resume(arguments: Namespace, description: "CellDescription") -> Path | None:
+    """Return the folder of the run that is to be resumed; None for a new run.
+
+    Raises
+    ------
+    ArgumentError
+        If the newest run is to be resumed and there is none that is not finished.
+    """
+    from beltsort.cellfile.composed import roles_in_dry_run
+
+    given: Path | None = arguments.resume
+    if given != LATEST and not arguments.service:
+        return given
+    dry_run = bool(roles_in_dry_run(description, live=arguments.live))
+    folder = unfinished_run(RUNS, Path(arguments.cell), dry_run=dry_run)
+    if folder is None and not arguments.service:
+        raise ArgumentError(
+            f"--resume latest: the newest run of {arguments.cell} in {RUNS}/ is finished, or there is none; "
+            "leave --resume out to start another"
+        )
+    if folder is not None and arguments.first_object is not None:
+        raise ArgumentError(
+            f"--first-object {arguments.first_object} is for a new run, and {folder} is not finished: leave "
+            "it out"
+        )
+    if folder is not None:
+        print_status(f"beltsort: {folder} is resumed")
+    return folder
 
 
 def print_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:
@@ -273,6 +280,8 @@ def print_result(console: "Console", opened: "CellRun", report: "SortingReport")
     empty = [f"{len(report.skipped)} empty"] if report.skipped else []
     passed = [f"{len(report.passed)} PASSED UNSORTED {list(report.passed)}"] if report.passed else []
     parts = [*sorted_into, *empty, *passed]
+    if report.stopped_by is not None:
+        console.print(f"stopped: {report.stopped_by} asked to")
     console.print(f"{len(report.decisions)} sorted in {report.steps} steps: {', '.join(parts)}")
     counts = confusion_of(opened, report)
     if counts is not None:

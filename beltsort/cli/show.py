@@ -32,7 +32,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def add_run(parser: ArgumentParser) -> None:
     """Add the run's folder."""
-    help = "a run's folder, its journal.sqlite, or a folder of runs for the newest"
+    help = "a run's folder, its journal.sqlite, or a folder of runs for the newest; `latest` is that of runs/"
     parser.add_argument("folder", metavar="RUN", type=Path, help=help)
 
 
@@ -78,4 +78,5 @@ def show(entries: Sequence[Entry], progress: Progress) -> None:
         print(f"{len(progress.drift.alarms)} drift alarms: labels no longer fit the observation tables")
     for fault, scans in progress.pose_faults.items():
         print(f"{scans} scans do not show the belt where their pose says; likely: {fault}")
-    print(f"{done}, {progress.objects - progress.index} left; {progress.steps} steps")
+    left = "" if progress.left is None else f", {progress.left} left"
+    print(f"{done}{left}; {progress.steps} steps")

@@ -21,6 +21,7 @@ from beltsort.sorting.entries import (
     ScanElsewhere,
     Scanned,
     ScanUnusable,
+    Settled,
     Skipped,
     Snapshot,
     Started,
@@ -37,7 +38,7 @@ LOGGER = "beltsort.run"
 
 log = logging.getLogger(LOGGER)
 
-DONE = "done"
+IN_GOOD_ORDER = ("done", "stopped")
 """The reason with which a run ends after its last object."""
 
 
@@ -112,7 +113,7 @@ def level_of(content: AnyContent) -> int:
         case StateChanged(State.ABORTED):
             return logging.ERROR
         case Ended(reason):
-            return logging.INFO if reason == DONE else logging.ERROR
+            return logging.INFO if reason in IN_GOOD_ORDER else logging.ERROR
         case StateChanged(State.HELD) | CommandFailed() | ObjectsPassed() | Unheard():
             return logging.WARNING
         case ScanUnusable() | ScanElsewhere() | Drifted():
@@ -127,7 +128,9 @@ def level_of(content: AnyContent) -> int:
             return logging.DEBUG if command.attempt == 1 else logging.INFO
         case Chosen() | CommandDone():
             return logging.DEBUG
-        case Started() | Resumed() | StateChanged() | Answered() | Skipped() | Requested() | Snapshot():
+        case Started() | Resumed() | StateChanged() | Answered() | Settled() | Skipped() | Requested():
+            return logging.INFO
+        case Snapshot():
             return logging.INFO
 
 
@@ -145,6 +148,8 @@ def _text_of(content: AnyContent) -> str:
             return f"{command_id} done"
         case Answered(command_id, outcome):
             return f"the operator says: {command_id} {outcome}"
+        case Settled(answer, by):
+            return f"answered: {answer}, says {by}"
         case ObjectsPassed(index):
             return f"the operator says: objects passed unsorted, object {index} is at the belt end"
         case StateChanged(state, reason):

@@ -2,6 +2,7 @@
 
 import logging
 import time
+from math import inf
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -75,7 +76,7 @@ class RunMetrics:
         self.folder: Path | None = None
         self._pending: Command | None = None
         self._left: int | None = None  # number of the last object that was sorted or skipped
-        self._end = 0  # number that follows the last object's
+        self._end = 0.0  # number that follows the last object's
         self._failed = False
         self._of_objects()
         self._of_looks_and_plans()
@@ -133,7 +134,9 @@ class RunMetrics:
         self.holds = Counter("beltsort_holds", "How often the run was held.", registry=own)
         self.object = Gauge("beltsort_belt_end_object", "Number of the object at the belt end.", registry=own)
         self.objects_left = Gauge(
-            "beltsort_objects_left", "Objects that are still to be sorted.", registry=own
+            "beltsort_objects_left",
+            "Objects that are still to be sorted; +Inf if their number is not limited.",
+            registry=own,
         )
         self.last_entry = Gauge(
             "beltsort_last_entry_timestamp_seconds", "Time of the last journal entry.", registry=own
@@ -163,7 +166,8 @@ class RunMetrics:
 
     def resume(self, progress: Progress) -> None:
         """Continue with a run that is resumed, whose entries do not say where it was."""
-        self._end, self._pending = progress.end, progress.pending
+        self._end = inf if progress.objects is None else progress.end
+        self._pending = progress.pending
         self._identify(progress.run)
 
     def called(self, recorded: Recorded) -> None:
@@ -187,8 +191,8 @@ class RunMetrics:
             self.objects_left.set(max(0, self._end - entry.object))
         match entry.content:
             case Started(run=run, first=first, objects=objects):
-                self._end = first + objects
-                self.objects_left.set(objects)
+                self._end = inf if objects is None else first + objects
+                self.objects_left.set(self._end - first)
                 self._identify(run)
             case Resumed():
                 pass

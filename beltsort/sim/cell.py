@@ -1,6 +1,6 @@
 """The simulated cell: all four devices, on a simulated clock."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Self
 
 import numpy as np
@@ -29,7 +29,8 @@ class SimulatedCell:
     Parameters
     ----------
     true_labels
-        Class index of each object of the run, None for an empty cup. All cups after the last one are empty.
+        Class index of each object of the run, None for an empty cup. All cups after the last one are empty,
+        unless there are `further` ones.
     config
         Configuration of the cell.
     seed
@@ -40,6 +41,8 @@ class SimulatedCell:
         Names of the bins; those of the classes by default.
     reject_bin
         Index of the bin for undecided objects; that of the configuration by default.
+    further
+        Class indices of the objects after those of `true_labels`, without end.
 
     Raises
     ------
@@ -74,6 +77,7 @@ class SimulatedCell:
         placement: Placement | None = None,
         bin_names: Sequence[str] | None = None,
         reject_bin: int | None = None,
+        further: Iterator[int | None] | None = None,
     ) -> None:
         self._config = CellConfig() if config is None else config
         self.bin_names = tuple(self._config.classes if bin_names is None else bin_names)
@@ -83,7 +87,7 @@ class SimulatedCell:
                 f"reject_bin is {self.reject_bin}, expected None or at least {len(self.bin_names)}, the "
                 f"number of bins ({', '.join(self.bin_names)}); choose another"
             )
-        self._world = World(true_labels, self._config, seed)
+        self._world = World(true_labels, self._config, seed, further)
         self._seed, self._placement = seed, placement or Placement()
         self._done: dict[str, tuple[tuple[str, int], float]] = {}
         self._viewpoint, self._looks = 0, 0

@@ -1,6 +1,6 @@
 """The simulated belt with its cups and objects."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -22,6 +22,8 @@ class World:
     ----------
     true_labels
         Class index of each object of the run, None for an empty cup.
+    further
+        Those of the objects that follow, without end; None: the belt ends with the last of `true_labels`.
     config
         Configuration of the cell.
     seed
@@ -35,8 +37,15 @@ class World:
         Number of the object at the belt end.
     """
 
-    def __init__(self, true_labels: Sequence[int | None], config: CellConfig, seed: int) -> None:
+    def __init__(
+        self,
+        true_labels: Sequence[int | None],
+        config: CellConfig,
+        seed: int,
+        further: Iterator[int | None] | None = None,
+    ) -> None:
         self._labels = [_checked(n, label, config.classes) for n, label in enumerate(true_labels)]
+        self._further = further
         self._config = config
         self._seed = checked_seed(seed)
         self._nominal = [
@@ -66,10 +75,11 @@ class World:
         """Return the number of positions by which the belt must move to bring object `index` to its end."""
         steps = index - self.first
         end = self.start + len(self._labels)
-        if steps < 0 or index > end:
+        if steps < 0 or (index > end and self._further is None):
+            last = f"{end} (after the last object)" if self._further is None else "any later one"
             raise CommandError(
-                f"index is {index}, expected {self.first} (now at the belt end) to {end} "
-                "(after the last object); the belt moves forward only",
+                f"index is {index}, expected {self.first} (now at the belt end) to {last}; the belt moves "
+                "forward only",
                 Outcome.NOT_DONE,
             )
         return steps
@@ -110,6 +120,8 @@ class World:
     def true_class(self, number: int) -> int | None:
         """Return the class index of an object by its number; None for an empty cup."""
         index = number - self.start
+        while self._further is not None and index >= len(self._labels):
+            self._labels.append(_checked(len(self._labels), next(self._further), self._config.classes))
         return self._labels[index] if index < len(self._labels) else None
 
 

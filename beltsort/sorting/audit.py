@@ -23,10 +23,11 @@ from beltsort.sorting.entries import (
     Skipped,
     Started,
 )
+from beltsort.sorting.first_entry import model_of
 from beltsort.sorting.journal import Entry, read_journal
-from beltsort.sorting.journal_files import JOURNAL
-from beltsort.sorting.progress import Progress, model_of
+from beltsort.sorting.progress import Progress
 from beltsort.sorting.rules import forced_in_words
+from beltsort.sorting.runs import journal_of
 
 COLUMNS = ("number", "time", "kind", "object", "data")
 
@@ -96,21 +97,13 @@ class Step:
         return Despot(self.model, **settings).plan(self.belief, self.viewpoint)
 
 
-def journal_of(run: Path) -> Path:
-    """Return the journal of a run: of its folder, of the newest in a folder of runs, or the file itself."""
-    if not run.is_dir() or (run / JOURNAL).exists():
-        return run / JOURNAL if run.is_dir() else run
-    journals = sorted(run.glob(f"*/{JOURNAL}"))  # folders are named by the time of their start
-    return journals[-1] if journals else run / JOURNAL
-
-
 def entries_of(run: Path) -> list[Entry]:
     """Return the entries of a run.
 
     Parameters
     ----------
     run
-        As in `journal_of`.
+        As in `beltsort.sorting.runs.journal_of`.
 
     Raises
     ------

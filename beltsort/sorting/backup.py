@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from beltsort.errors import JournalError, JournalNotWrittenError
-from beltsort.sorting.audit import journal_of
 from beltsort.sorting.call_log import calls_in
 from beltsort.sorting.journal import read_journal
 from beltsort.sorting.journal_files import JOURNAL, copied, full_files, open_to_read, replaced, transaction
 from beltsort.sorting.kept_scans import SCANS, kept_scans, scan_file
 from beltsort.sorting.progress import Progress
-from beltsort.sorting.runs import MODEL, POLICY, TRUTH
+from beltsort.sorting.runs import CELL, MODEL, POLICY, TRUTH, journal_of
 
 PART = ".part"
-OTHERS = (MODEL, POLICY, TRUTH)
+OTHERS = (MODEL, POLICY, CELL, TRUTH)
 """Files of a run's folder that are copied as they are; each is replaced as a whole where it is written."""
 
 

@@ -25,6 +25,7 @@ from beltsort.sorting.entries import (
     CommandFailed,
     Intended,
     ObjectsPassed,
+    Settled,
     State,
     StateChanged,
 )
@@ -34,6 +35,7 @@ from beltsort.sorting.holds import (
     HeldError,
     Hold,
     Operator,
+    Reply,
     at_the_end,
     belt_elsewhere,
     in_doubt,
@@ -107,6 +109,8 @@ class Commander:
         Limits.
     operator
         Asked when a run is held.
+    check
+        Called before each attempt at a command or question that follows a failure.
     """
 
     def __init__(
@@ -116,9 +120,10 @@ class Commander:
         record: Record,
         rules: Rules,
         operator: Operator,
+        check: Callable[[], None] = lambda: None,
     ) -> None:
         self._cell, self._progress, self._record = cell, progress, record
-        self._rules, self._operator = rules, operator
+        self._rules, self._operator, self._check = rules, operator, check
 
     def issue(self, act: Act, *, arriving: bool = False) -> None:
         """Execute a new command, unless the operator says that objects have passed the belt end.
@@ -316,12 +321,16 @@ class Commander:
         else:
             self._hold(Hold(self._progress.pending, reason))
             delays.extend(self._rules.retry_delays)
+        self._check()
 
     def _hold(self, hold: Hold) -> Answer | None:
         """Ask the operator, and journal question and answer."""
         command_id = None if hold.command is None else hold.command.id
-        self._record(StateChanged(State.HELD, hold.reason, command_id))
-        answer = self._operator(replace(hold, object=self._progress.index))
+        asked = self._record(StateChanged(State.HELD, hold.reason, command_id, [*hold.ways]))
+        answer = self._operator(replace(hold, object=self._progress.index, question=asked.number))
+        if isinstance(answer, Reply):
+            self._record(Settled(answer.answer, answer.by, answer.at))
+            answer = answer.answer
         said = "fixed" if answer is None else answer.value
         self._record(StateChanged(State.EXECUTE, f"the operator says: {said}"))
         return answer

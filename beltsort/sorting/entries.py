@@ -13,6 +13,7 @@ from enum import StrEnum
 from typing import Any, ClassVar, Literal, TypeAlias
 
 from beltsort.sorting.command import Command
+from beltsort.sorting.holds import Answer, Way
 from beltsort.sorting.rules import Seen
 
 
@@ -44,12 +45,12 @@ class Content:
 
 @dataclass(frozen=True, kw_only=True)
 class Started(Content):
-    """The start of a run: the first entry."""
+    """The start of a run: the first entry. If `objects` is None, it goes on until it is told to stop."""
 
     kind = "start"
     run: str
     first: int = 0
-    objects: int
+    objects: int | None
     belt_ends: bool = False
     model: str
     """The model, as JSON."""
@@ -66,7 +67,7 @@ class Resumed(Content):
     """The run is resumed; fields as in `Started`."""
 
     kind = "resume"
-    objects: int
+    objects: int | None
     model: str
     planner: dict[str, Any] | None = None
     beltsort: str = ""
@@ -75,13 +76,14 @@ class Resumed(Content):
 
 @dataclass(frozen=True)
 class StateChanged(Content):
-    """The run is in another state."""
+    """The run is in another state; a held one may have `ways` to continue."""
 
     kind = "state"
     state: State
     reason: str
     command_id: str | None = None
     """Id of the command at which the run is held."""
+    ways: list[Way] | None = None
 
 
 @dataclass(frozen=True)
@@ -154,6 +156,16 @@ class Answered(Content):
     kind = "told"
     command_id: str
     outcome: str
+
+
+@dataclass(frozen=True)
+class Settled(Content):
+    """A person has answered the open question from outside the process; `at` as in `Requested`."""
+
+    kind = "settled"
+    answer: Answer
+    by: str
+    at: str
 
 
 @dataclass(frozen=True)
@@ -247,13 +259,10 @@ class Skipped(Content):
 
 @dataclass(frozen=True)
 class Requested(Content):
-    """A person has asked to hold the run, or to continue it; as in `beltsort.sorting.requests.Request`.
-
-    After a hold the camera is moved back to its viewpoint, since the arm may have been moved.
-    """
+    """A person has asked to hold, continue or stop the run; as in `beltsort.sorting.requests.Request`."""
 
     kind = "request"
-    action: Literal["hold", "continue"]
+    action: Literal["hold", "continue", "stop"]
     by: str
     at: str
 
@@ -278,7 +287,7 @@ class Snapshot(Content):
     model: str
     run: str
     first: int = 0
-    objects: int
+    objects: int | None
     belt_ends: bool = False
     index: int
     viewpoint: int
@@ -295,12 +304,12 @@ class Snapshot(Content):
     belief: list[list[float]]
     last_labels: list[list[int]]
     kinds: list[list[float]] | None = None
-    """As in `Scanned`."""
     owed: str
     """`Progress.next`."""
     pending: Command | None
     told: str | None = None
     """`Progress.known_outcome`."""
+    settled: Answer | None = None
     visible: list[Seen]
     drift: dict[str, Any] | None = None
     pose_faults: dict[str, int] | None = None
@@ -325,6 +334,7 @@ AnyContent: TypeAlias = (
     | CommandDone
     | CommandFailed
     | Answered
+    | Settled
     | ObjectsPassed
     | Scanned
     | ScanUnusable

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections.abc import Iterable
 from typing import Any
 
 from beltsort import SortingModel
@@ -20,12 +21,14 @@ from beltsort.sorting.entries import (
     ScanElsewhere,
     Scanned,
     ScanUnusable,
+    Settled,
     Skipped,
     Snapshot,
     Started,
     State,
     StateChanged,
 )
+from beltsort.sorting.holds import Way
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.rules import forced_in_words
 from beltsort.util.text import counted, position_number
@@ -34,13 +37,17 @@ EXCEPTION = re.compile(r"""\w+\((['"].*['"])\)""", re.DOTALL)
 """`repr` of an exception with a message."""
 
 
-def in_words(reason: str) -> str:
-    """Return the reason of a change of state; of an exception its message, without `held: ` before it.
+def in_words(reason: str, ways: Iterable[Way] | None = None) -> str:
+    """Return the reason of a change of state; of an exception its message, without `held` before it.
+
+    If `ways` to continue are given, those at the end of the message are left out.
 
     Examples
     --------
     >>> in_words("HeldError('held: the camera is gone')")
     'the camera is gone'
+    >>> in_words("HeldError('held at sort 2: a bin is full')")
+    'at sort 2: a bin is full'
     >>> in_words("Interrupted('SIGINT')")
     'SIGINT'
     """
@@ -48,7 +55,8 @@ def in_words(reason: str) -> str:
     if exception is None:
         return reason
     try:
-        return str(ast.literal_eval(exception[1])).removeprefix("held: ")
+        message = re.sub("^held(: | (?=at ))", "", str(ast.literal_eval(exception[1])))
+        return message.removesuffix(f" {'; '.join(map(str, ways or ()))}")
     except (ValueError, SyntaxError):
         return reason
 
@@ -89,6 +97,10 @@ class EntryFormatter:
                 text = "resumed"
             case Requested("continue", by):
                 text = f"continued: {by} asked to"
+            case Requested("stop", by):
+                text = f"stopped: {by} asked to"
+            case Settled(answer, by):
+                text = f"answered: {answer}, says {by}"
             case CommandFailed(command_id, outcome, error):
                 text = f"{command_id} {outcome}: {in_words(error)}"
             case Scanned() as scan:
@@ -141,7 +153,8 @@ class EntryFormatter:
         self._arrival = model.arrival.tolist()
         self.belief = [self._arrival] * model.positions
         into = "" if self.bins == self.classes else f", into {', '.join(self.bins)}"
-        return f"sorting {first.objects} objects: {', '.join(self.classes)}{into}"
+        number = "" if first.objects is None else f"{first.objects} "
+        return f"sorting {number}objects: {', '.join(self.classes)}{into}"
 
     def seen(self, scan: Scanned) -> list[str]:
         """Return for each position the label that a scan gave, `?` for none, or why there is none."""

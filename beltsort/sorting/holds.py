@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum
+from enum import StrEnum
 
 from beltsort.cell.bins import Bin
 from beltsort.cell.protocols import NOWHERE
@@ -10,7 +10,7 @@ from beltsort.errors import CellError
 from beltsort.sorting.command import Command
 
 
-class Answer(Enum):
+class Answer(StrEnum):
     """An operator's answer about a held run."""
 
     DONE = "done"
@@ -19,6 +19,25 @@ class Answer(Enum):
     """The command was not done: the object is still at the belt end."""
     PASSED = "passed"
     """Objects passed the belt end unsorted; the run continues at the belt's position."""
+
+
+@dataclass(frozen=True)
+class Reply:
+    """An answer that was given from outside the process of the run.
+
+    Attributes
+    ----------
+    answer
+        The answer.
+    by
+        Who gave it.
+    at
+        When, UTC, ISO 8601.
+    """
+
+    answer: Answer
+    by: str
+    at: str
 
 
 NUMBER = "NUMBER"
@@ -73,6 +92,8 @@ class Hold:
         Whether an operator must answer or check the cell, so that resuming repeatedly does not help.
     object
         Number of the object at the belt end, as far as the run knows.
+    question
+        Number of the journal entry that asks; None before it is asked.
     """
 
     command: Command | None
@@ -80,6 +101,7 @@ class Hold:
     ways: tuple[Way, ...] = ONCE_FIXED
     person: bool = False
     object: int | None = None
+    question: int | None = None
 
     @property
     def answers(self) -> tuple[Answer, ...]:
@@ -106,7 +128,7 @@ class HeldError(CellError):
         super().__init__(str(hold))
 
 
-Operator = Callable[[Hold], Answer | None]
+Operator = Callable[[Hold], Answer | Reply | None]
 """Returns the operator's answer, one of the hold's, or None for a way without an answer."""
 
 

@@ -1,5 +1,6 @@
 """One run, one process; one live device, one run."""
 
+import fcntl
 import hashlib
 import json
 import os
@@ -7,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from filelock import FileLock, Timeout
@@ -16,6 +18,18 @@ from beltsort.errors import InUseError
 
 DEVICES = Path(tempfile.gettempdir()) / "beltsort-devices"
 """Folder of the locks of devices: one for all users of this machine."""
+
+
+LOCK_TIMEOUT = 0.2
+"""Time for which a lock is tried, seconds: longer than `in_use` holds one."""
+
+
+@dataclass(frozen=True)
+class Holder:
+    """The process that holds a lock."""
+
+    pid: int
+    command: str
 
 
 @contextmanager
@@ -34,18 +48,18 @@ def locked(what: str, path: Path) -> Iterator[None]:
     InUseError
         If another process holds it, with that process's id.
     """
-    holder = path.with_name(f"{path.name}.holder")
-    lock = FileLock(path, timeout=0, mode=0o666)
+    holder = _holder_file(path)
+    lock = FileLock(path, timeout=LOCK_TIMEOUT, mode=0o666)
     try:
         lock.acquire()
     except Timeout:
         raise InUseError(
-            f"{what} is in use by {_name_of(holder)}, expected nobody: wait until that ends, or end it (kill)"
+            f"{what} is in use by {_name_of(path)}, expected nobody: wait until that ends, or end it (kill)"
         ) from None
     except OSError as reason:
         raise InUseError(f"{what} cannot be locked: {reason}; make {path.parent} writable") from reason
     try:
-        holder.write_text(json.dumps({"pid": os.getpid(), "command": " ".join(sys.argv)}))
+        holder.write_text(json.dumps(asdict(Holder(os.getpid(), " ".join(sys.argv)))))
         yield
     finally:
         lock.release()
@@ -74,10 +88,34 @@ def devices_locked(devices: Iterable[object]) -> Iterator[None]:
         yield
 
 
-def _name_of(holder: Path) -> str:
-    """Say who holds a lock."""
+def in_use(path: Path) -> bool:
+    """Whether a process holds a lock. Nothing is written, and the lock is free again when this returns."""
     try:
-        process = json.loads(holder.read_text())
-        return f"process {process['pid']} ({process['command']})"
-    except (OSError, ValueError, KeyError):
-        return "another process"
+        descriptor = os.open(path, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
+
+
+def holder_of(path: Path) -> Holder | None:
+    """Return the process that holds a lock, or held it last; None if it is not known."""
+    try:
+        return Holder(**json.loads(_holder_file(path).read_text()))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def _holder_file(path: Path) -> Path:
+    return path.with_name(f"{path.name}.holder")
+
+
+def _name_of(path: Path) -> str:
+    """Say who holds a lock."""
+    holder = holder_of(path)
+    return "another process" if holder is None else f"process {holder.pid} ({holder.command})"

@@ -26,7 +26,7 @@ from beltsort.sorting.perceived import NamesLabels, Perceive, PerceivedPosition
 from beltsort.sorting.progress import Next, Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.report import SortingReport
-from beltsort.sorting.requests import read_request, standing_hold
+from beltsort.sorting.requests import Request, drop_request, read_request
 from beltsort.sorting.rules import Drift, Rules
 from beltsort.util.text import number_or_none
 
@@ -50,7 +50,7 @@ def sort_objects(
     model: SortingModel,
     journal: Journal,
     *,
-    objects: int,
+    objects: int | None,
     first: int = 0,
     belt_ends: bool = False,
     rules: Rules | None = None,
@@ -79,9 +79,9 @@ def sort_objects(
         An open journal without entries. The last entry written is `end`, also after an error or an interrupt;
         it is missing only after a kill or a power failure.
     objects
-        Number of objects to sort, empty cups included. A cup is skipped once it has been seen empty
-        `Rules.empty_looks` times or, if the model has a class for empty cups, once the bin of its name is
-        decided.
+        Number of objects to sort, empty cups included; None: until a request to stop (`requests`). A cup is
+        skipped once it has been seen empty `Rules.empty_looks` times or, if the model has a class for empty
+        cups, once the bin of its name is decided.
     first
         The belt's number of the object at the belt end now.
     belt_ends
@@ -206,29 +206,36 @@ class _Loop:
         self.cell, self.record, self.progress, self.drift = cell, record, record.progress, drift
         self.check, self.requests = check, requests
         _check_fit(cell, self.progress.model)
-        self.commander = Commander(cell, self.progress, record, rules, operator)
+        self.commander = Commander(cell, self.progress, record, rules, operator, check)
         self.observer = Observer(cell, perceive, self.progress, record, rules, scan_listener)
         self.chooser = Chooser(cell, policy, record, rules, self.commander)
 
     def run(self, first: Started | Resumed) -> SortingReport:
         """Write the first entry, take steps until all objects have left the belt, and journal how it ended.
 
-        If the run ends early, every device is stopped.
+        A request to stop ends the run between two steps. If a failure does, every device is stopped.
         """
+        stop: Request | None = None
         try:
             with stopping(self.cell):
                 self.record(first)
                 self.record(StateChanged(State.EXECUTE, first.kind))
                 while not self.progress.done:
                     self.check()
-                    self.wait_while_held()
+                    if stop := self.heed_requests():
+                        break
                     self.step()
         except BaseException as failure:
-            self.record(StateChanged(_state_after(failure), repr(failure)))
+            ways = [*failure.hold.ways] if isinstance(failure, HeldError) else None
+            self.record(StateChanged(_state_after(failure), repr(failure), ways=ways))
             self.record(Ended(repr(failure)))
             raise
-        self.record(StateChanged(State.COMPLETE, "all objects have left the belt"))
-        self.record(Ended("done"))
+        if stop is None:
+            self.record(StateChanged(State.COMPLETE, "all objects have left the belt"))
+            self.record(Ended("done"))
+        else:
+            self.record(StateChanged(State.STOPPED, f"{stop.by} asked to stop"))
+            self.record(Ended("stopped"))
         progress = self.progress
         return SortingReport(
             progress.steps,
@@ -237,22 +244,37 @@ class _Loop:
             progress.drift.alarms,
             tuple(progress.passed),
             dict(progress.pose_faults),
+            stopped_by=None if stop is None else stop.by,
         )
 
-    def wait_while_held(self) -> None:
-        """If a person has asked to hold the run, journal it, and wait until one asks to continue."""
-        hold = None if self.requests is None else standing_hold(self.requests)
-        if self.requests is None or hold is None:
-            return
-        self.record(Requested(**asdict(hold)))
+    def heed_requests(self) -> Request | None:
+        """Journal a request to hold or to stop; wait while held; return the request to stop, if there is one.
+
+        Only a hold outlasts the process: a request to stop is dropped once it is journalled, so that the run
+        can be resumed.
+        """
+        request = None if self.requests is None else read_request(self.requests)
+        if self.requests is None or request is None or request.action == "continue":
+            return None
+        self.record(Requested(**asdict(request)))
+        if request.action == "hold":
+            request = self.wait_while_held(self.requests, request)
+            self.record(Requested(**asdict(request)))
+        if request.action == "stop":
+            drop_request(self.requests)
+            return request
+        self.record(StateChanged(State.EXECUTE, f"{request.by} asked to continue"))
+        return None
+
+    def wait_while_held(self, folder: Path, hold: Request) -> Request:
+        """Wait until a person asks to continue or to stop, and return that request."""
         self.record(StateChanged(State.HELD, f"{hold.by} asked to hold"))
         request = hold
         while request.action == "hold":
             time.sleep(REQUEST_INTERVAL)
             self.check()
-            request = read_request(self.requests) or hold  # nothing but a request ends a hold
-        self.record(Requested(**asdict(request)))
-        self.record(StateChanged(State.EXECUTE, f"{request.by} asked to continue"))
+            request = read_request(folder) or hold  # nothing but a request ends a hold
+        return request
 
     def step(self) -> None:
         """Take the next step; a pending command and the camera's return to its viewpoint come first."""

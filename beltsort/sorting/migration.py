@@ -14,11 +14,11 @@ from typing import Any, TypeAlias
 from beltsort import SortingModel
 from beltsort.cell.commands import Outcome
 from beltsort.errors import JournalError, JournalNotWrittenError
-from beltsort.sorting.audit import journal_of
 from beltsort.sorting.entry_format import content_of
 from beltsort.sorting.journal import Entry, read_journal
 from beltsort.sorting.journal_files import SCHEMA, VERSION, open_to_read, replaced, transaction
 from beltsort.sorting.progress import Progress
+from beltsort.sorting.runs import journal_of
 
 OLD = 1
 RUN = "version1"

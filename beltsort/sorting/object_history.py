@@ -7,8 +7,9 @@ from beltsort import Decide, SortingModel
 from beltsort.errors import JournalError
 from beltsort.sorting.audit import Step, steps_of
 from beltsort.sorting.entries import Decided, Scanned, Skipped
+from beltsort.sorting.first_entry import model_of
 from beltsort.sorting.journal import Entry
-from beltsort.sorting.progress import Progress, model_of
+from beltsort.sorting.progress import Progress
 from beltsort.util.text import position_number
 
 

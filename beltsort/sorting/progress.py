@@ -4,6 +4,7 @@ The loop changes its state only by writing an entry and then applying it. A run 
 is therefore restored by applying its entries again.
 """
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -30,6 +31,7 @@ from beltsort.sorting.entries import (
     ScanElsewhere,
     Scanned,
     ScanUnusable,
+    Settled,
     Skipped,
     Snapshot,
     Started,
@@ -37,6 +39,8 @@ from beltsort.sorting.entries import (
     Unheard,
 )
 from beltsort.sorting.entry_format import plain_belief
+from beltsort.sorting.first_entry import model_of
+from beltsort.sorting.holds import Answer
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.report import Decision
 from beltsort.sorting.rules import Seen
@@ -51,22 +55,6 @@ class Next(Enum):
     """Scan from the current viewpoint."""
     ADVANCE = "advance"
     """Bring the next object to the belt end."""
-
-
-def model_of(entries: Sequence[Entry]) -> SortingModel:
-    """Return the model of a run, from its entries.
-
-    Raises
-    ------
-    JournalError
-        If the first one is neither a start nor a snapshot.
-    """
-    first = entries[0]
-    if not isinstance(first.content, Started | Snapshot):
-        raise JournalError(
-            f"the journal begins with {first.kind!r}, expected 'start' or 'snapshot': it is damaged"
-        )
-    return SortingModel.from_json(first.content.model)
 
 
 @dataclass
@@ -84,7 +72,7 @@ class Progress:
     first
         Number of the object at the belt end at the start.
     objects
-        Number of objects to sort, empty cups included.
+        Number of objects to sort, empty cups included; None: until the run is told to stop.
     belt_ends
         Whether no objects follow; the belief then includes the number of objects left.
     index
@@ -109,6 +97,9 @@ class Progress:
         The command that is not known to be done, in its latest attempt.
     known_outcome
         The outcome of that attempt if it is certain: it was refused, or an operator has said so.
+    settled
+        The answer that a person has given to the open question from outside the process of the run, until it
+        is used; None if there is none.
     bin
         Index of the cell's bin for the object at the belt end, from the decision until it has been sorted.
     visible
@@ -125,7 +116,7 @@ class Progress:
     belief: Belief
     run: str = ""
     first: int = 0
-    objects: int = 0
+    objects: int | None = 0
     belt_ends: bool = False
     index: int = 0
     viewpoint: int = 0
@@ -138,6 +129,7 @@ class Progress:
     next: Next = Next.CHOOSE
     pending: Command | None = None
     known_outcome: Outcome | None = None
+    settled: Answer | None = None
     bin: int | None = None
     visible: list[Seen] = field(default_factory=list)
     drift: DriftState = field(default_factory=DriftState)
@@ -172,13 +164,18 @@ class Progress:
 
     @property
     def end(self) -> int:
-        """The number that follows the last object's."""
-        return self.first + self.objects
+        """The number that follows the last object's; larger than any if their number is not limited."""
+        return sys.maxsize if self.objects is None else self.first + self.objects
+
+    @property
+    def left(self) -> int | None:
+        """Number of objects that have not left the belt end; None if their number is not limited."""
+        return None if self.objects is None else max(0, self.end - self.index)
 
     @property
     def remaining(self) -> int | None:
         """Number of objects left, including the one at the belt end; None if the belt never ends."""
-        return max(0, self.end - self.index) if self.belt_ends else None
+        return self.left if self.belt_ends else None
 
     @property
     def taken(self) -> bool:
@@ -200,7 +197,7 @@ class Progress:
             case Resumed(drift=drift):
                 self._resume(drift)
             case Intended(command):
-                self.pending, self.known_outcome = command, None
+                self.pending, self.known_outcome, self.settled = command, None, None
                 self.commands += int(command.attempt == 1)
             case CommandDone(command_id, stopped=stopped):
                 self._done(self._pending(command_id), stopped)
@@ -209,7 +206,9 @@ class Progress:
                 self.known_outcome = Outcome.NOT_DONE if final else self.known_outcome
             case Answered(command_id, outcome):
                 self._pending(command_id)
-                self.known_outcome = Outcome(outcome)
+                self.known_outcome, self.settled = Outcome(outcome), None
+            case Settled(answer):
+                self.settled = answer
             case ObjectsPassed(index):
                 self._pass(index)
             case Scanned() as scan:
@@ -256,7 +255,7 @@ class Progress:
         return self.pending
 
     def _done(self, command: Command, stopped: float | None) -> None:
-        self.pending = self.known_outcome = None
+        self.pending = self.known_outcome = self.settled = None
         self.stopped = max(self.stopped, stopped or 0.0)
         match command.act:
             case MoveTo(viewpoint):
@@ -279,7 +278,7 @@ class Progress:
             self.decisions.pop()  # the object never reached its bin
         finished = self.next is Next.ADVANCE and self.bin is None  # sorted or skipped
         self.passed += range(self.index + finished, min(index, self.end))
-        self.pending = self.known_outcome = self.bin = None
+        self.pending = self.known_outcome = self.settled = self.bin = None
         while self.index < min(index, self.end):
             self._shift(self.index + 1)
         self.next, self.arrived = Next.CHOOSE, False  # the operator may have moved the arm
@@ -344,6 +343,6 @@ class Progress:
 
 _SAME_NAME = (
     *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived", "steps", "commands"),
-    *("stopped", "bin", "pending"),
+    *("stopped", "bin", "pending", "settled"),
 )
 """Attributes that a snapshot stores under the same name."""

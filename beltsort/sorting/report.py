@@ -61,6 +61,8 @@ class SortingReport:
         Numbers of the objects that passed the belt end unsorted, according to the operator.
     pose_faults
         Number of scans by what is likely wrong with their pose, if anything.
+    stopped_by
+        Who asked to stop the run before all objects had left the belt; None if nobody did.
     """
 
     steps: int
@@ -69,6 +71,7 @@ class SortingReport:
     drift: "tuple[Alarm, ...]" = ()
     passed: tuple[int, ...] = ()
     pose_faults: Mapping[str, int] = field(default_factory=dict)
+    stopped_by: str | None = None
 
     def counts(self, bins: Sequence[str]) -> dict[str, int]:
         """Return the number of objects in each of the model's bins that has any, `REJECTED` last.

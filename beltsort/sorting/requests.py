@@ -1,8 +1,9 @@
-"""Requests of a person to hold a run between two steps, and to continue it.
+"""Requests of a person to hold, continue or stop a run between two steps, and answers to its questions.
 
 A request is a file in the run's folder, of which there is at most one: what is wanted now. The loop reads it
 between two steps, never inside a command, so that a crash of either side in between does no harm: a request
-that was written stands, also for the run when it is resumed, until another replaces it.
+to hold stands, also for the run when it is resumed, until another replaces it. An answer is a
+second file, which names the question that it is for.
 
 Whoever makes requests over a network needs the run's token, a file that only the user of the run can read.
 This is no safety function: an emergency stop is a matter of hardware.
@@ -19,13 +20,14 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from beltsort.errors import JournalError
+from beltsort.sorting.holds import Answer, HeldError, Reply
 
-REQUEST, TOKEN = "request.json", "request-token"
+REQUEST, ANSWER, TOKEN = "request.json", "answer.json", "request-token"
 
-Action = Literal["hold", "continue"]
+Action = Literal["hold", "continue", "stop"]
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class Request:
     Attributes
     ----------
     action
-        `hold` or `continue`.
+        `hold`, `continue` or `stop`.
     by
         Who wants it.
     at
@@ -49,8 +51,13 @@ class Request:
     @classmethod
     def now(cls, action: Action, through: str) -> "Request":
         """Return a request of this process's user, made now; `through` names the program."""
-        by = f"{getpass.getuser()}@{platform.node()} ({through})"
-        return cls(action, by, datetime.now(UTC).isoformat(timespec="seconds"))
+        return cls(action, *signature(through))
+
+
+def signature(through: str) -> tuple[str, str]:
+    """Return who asks or answers, and when: this process's user, now; `through` names the program."""
+    by = f"{getpass.getuser()}@{platform.node()} ({through})"
+    return by, datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def write_request(folder: Path, request: Request) -> None:
@@ -71,7 +78,7 @@ def read_request(folder: Path) -> Request | None:
         request = Request(**fields)
     except (OSError, ValueError, TypeError):
         return None
-    return request if request.action in ("hold", "continue") else None
+    return request if request.action in get_args(Action) else None
 
 
 def standing_hold(folder: Path) -> Request | None:
@@ -80,8 +87,39 @@ def standing_hold(folder: Path) -> Request | None:
     return request if request is not None and request.action == "hold" else None
 
 
+def write_reply(folder: Path, reply: Reply, question: int) -> None:
+    """Leave the answer to a question for a run that waits for it; it is on the disk when this returns.
+
+    Parameters
+    ----------
+    folder
+        The run's.
+    reply
+        The answer.
+    question
+        Number of the journal entry that asks.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    _replace(folder / ANSWER, json.dumps({"question": question, **asdict(reply)}))
+
+
+def read_reply(folder: Path, question: int | None) -> Reply | None:
+    """Return the answer to a question; None if there is none, or the file is damaged."""
+    try:
+        fields = json.loads((folder / ANSWER).read_text("utf-8"))
+        if question is None or fields.pop("question") != question:
+            return None
+        return Reply(Answer(fields.pop("answer")), **fields)
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return None
+
+
 def takes_requests(folder: Path) -> bool:
-    """Whether a run has a token, as one that takes requests has while it lasts."""
+    """Whether a run has a token, as one that takes requests has while it lasts or a question is open."""
     return (folder / TOKEN).exists()
 
 
@@ -103,6 +141,9 @@ def is_token(folder: Path, given: str) -> bool:
 def taking_requests(folder: Path) -> Iterator[None]:
     """Let a run take requests as long as the block runs: make a new token, which is removed afterwards.
 
+    An earlier request to stop is dropped: it was for the process that has ended. If the run ends with a
+    question, the token stays, so that the question can be answered with it.
+
     Raises
     ------
     JournalError
@@ -114,15 +155,29 @@ def taking_requests(folder: Path) -> Iterator[None]:
         raise JournalError(
             f"{folder / TOKEN} cannot be written: {reason}; run without --allow-hold, or make room"
         ) from reason
+    (folder / ANSWER).unlink(missing_ok=True)
+    standing = read_request(folder)
+    if standing is not None and standing.action == "stop":
+        drop_request(folder)
+    question = False
     try:
         yield
+    except HeldError as held:
+        question = bool(held.hold.answers)
+        raise
     finally:
-        (folder / TOKEN).unlink(missing_ok=True)
+        if not question:
+            (folder / TOKEN).unlink(missing_ok=True)
+
+
+def drop_request(folder: Path) -> None:
+    """Remove the request that stands, if there is one."""
+    (folder / REQUEST).unlink(missing_ok=True)
 
 
 def drop_requests(folder: Path) -> None:
     """Remove what requests an earlier process has left, for a run that takes none."""
-    for name in (REQUEST, TOKEN):
+    for name in (REQUEST, ANSWER, TOKEN):
         (folder / name).unlink(missing_ok=True)
 
 

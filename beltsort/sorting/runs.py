@@ -11,11 +11,12 @@ from beltsort.cell.protocols import Cell
 from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
-from beltsort.sorting.journal import Journal, Listeners
+from beltsort.sorting.journal import Journal, Listeners, entries_after
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.kept_scans import ScanKeeper, ScanListener, all_of
 from beltsort.sorting.loop import Check, nothing, sort_objects
 from beltsort.sorting.perceived import Perceive
+from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import Decision, SortingReport
 from beltsort.sorting.rules import Drift, Rules
 
@@ -23,6 +24,12 @@ MODEL, LOCK = "model.json", "lock"
 TRUTH = "true-classes.json"
 POLICY = "policy.txt"
 """The name of the policy, in the folder of a run with a cell file."""
+CELL = "cell.txt"
+"""The path of the cell file, in the folder of a run with one."""
+DRY_RUN = "-dry-run"
+"""Suffix of the folder's name of a dry run."""
+RUNS, LATEST = Path("runs"), Path("latest")
+"""Folder in which runs are made, and what stands for the newest one in it."""
 
 
 def make_folder(folder: Path) -> Path:
@@ -47,6 +54,82 @@ def run_name() -> str:
     return datetime.now(UTC).strftime("%Y-%m-%dT%H-%M-%S.%fZ")
 
 
+def journals_in(runs: Path) -> list[Path]:
+    """Return the journals in a folder of runs, oldest first: folders are named by the time of their start."""
+    return sorted(runs.glob(f"*/{JOURNAL}"))
+
+
+def journal_of(run: Path) -> Path:
+    """Return the journal of a run.
+
+    Parameters
+    ----------
+    run
+        The run's folder, its journal, a folder of runs for the newest, or `LATEST` for the newest in `RUNS`.
+    """
+    if run == LATEST:
+        run = RUNS
+    if not run.is_dir() or (run / JOURNAL).exists():
+        return run / JOURNAL if run.is_dir() else run
+    journals = journals_in(run)
+    return journals[-1] if journals else run / JOURNAL
+
+
+def folder_of(run: Path) -> Path:
+    """Return the folder of a run, which `journal_of` finds.
+
+    Raises
+    ------
+    JournalError
+        If it has no journal.
+    """
+    journal = journal_of(run)
+    if not journal.is_file():
+        raise JournalError(f"{run} has no journal; name a run's folder, or start a run")
+    return journal.parent
+
+
+def unfinished_run(runs: Path, cell: Path, *, dry_run: bool) -> Path | None:
+    """Return the folder of a cell's newest run if it is not finished; None if it is, or there is none.
+
+    An older run that is not finished is never returned: the belt has moved on since.
+
+    Parameters
+    ----------
+    runs
+        Folder of runs.
+    cell
+        The cell file. Runs that do not say what cell they are of, of older versions, count as this cell's.
+    dry_run
+        Whether dry runs are considered, or all others.
+
+    Raises
+    ------
+    JournalError
+        If the newest run's journal is damaged.
+    """
+    for journal in reversed(journals_in(runs)):
+        folder = journal.parent
+        if folder.name.endswith(DRY_RUN) is not dry_run or not _is_of(folder, cell):
+            continue
+        if entries_after(journal, 0):  # without entries nothing was done
+            return None if progress_in(journal).done else folder
+    return None
+
+
+def cell_file_of(folder: Path) -> Path | None:
+    """Return the cell file of a run; None if the run does not say."""
+    try:
+        return Path((folder / CELL).read_text("utf-8").rstrip("\n"))
+    except (OSError, ValueError):
+        return None
+
+
+def _is_of(folder: Path, cell: Path) -> bool:
+    own = cell_file_of(folder)
+    return own is None or own == cell.resolve()
+
+
 def sort_into(
     folder: Path,
     cell: Cell,
@@ -54,7 +137,7 @@ def sort_into(
     policy: Policy,
     model: SortingModel,
     *,
-    objects: int,
+    objects: int | None,
     first: int = 0,
     belt_ends: bool = False,
     rules: Rules | None = None,

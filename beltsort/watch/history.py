@@ -19,14 +19,17 @@ from beltsort.sorting.entries import (
     ScanElsewhere,
     Scanned,
     ScanUnusable,
+    Settled,
     Started,
     State,
     StateChanged,
     Unheard,
 )
 from beltsort.sorting.entry_text import EntryFormatter, in_words
+from beltsort.sorting.first_entry import model_of
 from beltsort.sorting.journal import Entry
-from beltsort.sorting.progress import Progress, model_of
+from beltsort.sorting.progress import Progress
+from beltsort.sorting.settling import Question, question_after
 
 MOMENTS, ALARMS = 20_000, 200
 """Numbers of planner steps and of alarms that are kept, the latest."""
@@ -143,6 +146,8 @@ class RunHistory:
         Number of all alarms, by kind.
     state, reason
         State of the run, and why it is in this state.
+    question
+        The question at which the run is held; None if there is none.
     ended
         Why the process that sorted ended; None while it runs, and after it was killed.
     """
@@ -154,6 +159,7 @@ class RunHistory:
         self.alarms: deque[Alarm] = deque(maxlen=ALARMS)
         self.alarm_counts: Counter[str] = Counter()
         self.state, self.reason = State.EXECUTE, ""
+        self.question: Question | None = None
         self.ended: str | None = None
         self.last_entry = 0
         self._time, self._seconds = first.time, 0.0
@@ -191,6 +197,7 @@ class RunHistory:
         if self.progress.index > index:
             shifted = min(self.progress.index - index, len(self._seen))
             self._seen = (*self._seen[shifted:], *[""] * shifted)
+        self.question = question_after(self.question, entry)
         self._note(entry, text)
         self.last_entry = entry.number
 
@@ -213,8 +220,8 @@ class RunHistory:
                 if fault is not None and fault not in self._pose_faults:
                     self._pose_faults.add(fault)
                     self._alarm(entry, "pose", f"the belt is not where the pose says; likely: {fault}")
-            case StateChanged(state, reason):
-                self.state, self.reason = state, in_words(reason)
+            case StateChanged(state, reason, ways=ways):
+                self.state, self.reason = state, in_words(reason, ways)
                 if state is State.HELD:
                     self._alarm(entry, "held", text)
                 elif state is State.ABORTED:
@@ -234,7 +241,7 @@ class RunHistory:
                 self._alarm(entry, "command", text)
             case Answered(command_id, outcome):
                 self._alarm(entry, "operator", f"the operator says: {command_id} was {outcome}")
-            case Requested("continue"):
+            case Requested("continue" | "stop") | Settled():
                 self._alarm(entry, "operator", text)
             case Unheard(error):
                 self._alarm(entry, "display", f"a listener of the run failed: {error}")

@@ -6,8 +6,10 @@ changes nothing without the run's token, and knows its files by name.
 """
 
 import json
+import re
 import sys
 from collections.abc import Callable
+from dataclasses import asdict
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
@@ -19,7 +21,8 @@ from urllib.parse import parse_qs, urlsplit
 from beltsort import BeltsortError
 from beltsort._core import __version__
 from beltsort.errors import JournalError
-from beltsort.sorting.requests import Action
+from beltsort.sorting.holds import Answer, Reply
+from beltsort.sorting.requests import Action, Request
 from beltsort.watch.watcher import Watcher, as_json
 
 ADDRESS = "127.0.0.1"
@@ -39,6 +42,18 @@ HEADERS = {
     "Cache-Control": "no-store",
 }
 ACTIONS: dict[str, Action] = {"/api/hold": "hold", "/api/continue": "continue"}
+SETTLE = re.compile(rf"/api/settle/({'|'.join(Answer)})/([0-9]+)")
+"""An answer, and the number of the journal entry that asks."""
+
+
+def request_at(path: str) -> Callable[[Watcher], Request | Reply] | None:
+    """Return what asks or answers a run, for the path of a request; None if there is no such path."""
+    action, answer = ACTIONS.get(path), SETTLE.fullmatch(path)
+    if action is not None:
+        return lambda watcher: watcher.request(action)
+    if answer is not None:
+        return lambda watcher: watcher.settle(Answer(answer[1]), int(answer[2]))
+    return None
 
 
 class WatchServer:
@@ -125,12 +140,12 @@ class _Handler(BaseHTTPRequestHandler):
             self._fail(HTTPStatus.NOT_FOUND, "there is no such page")
 
     def do_POST(self) -> None:
-        """Hold or continue the run, if the run's token is given."""
+        """Hold or continue the run, or answer its question, if the run's token is given."""
         if not self._from_here():
             return
-        action = ACTIONS.get(self.path)
+        make = request_at(self.path)
         scheme, _, token = self.headers.get("Authorization", "").partition(" ")
-        if action is None:
+        if make is None:
             self._fail(HTTPStatus.NOT_FOUND, "there is no such request")
         elif scheme != "Bearer" or not self.server.watcher.may_request(token):
             self._fail(
@@ -140,11 +155,13 @@ class _Handler(BaseHTTPRequestHandler):
             )
         else:
             try:
-                request = self.server.watcher.request(action)
+                made = make(self.server.watcher)
             except OSError as error:
                 self._fail(HTTPStatus.INSUFFICIENT_STORAGE, f"the request cannot be written: {error}")
+            except BeltsortError as error:
+                self._fail(HTTPStatus.CONFLICT, str(error))
             else:
-                self._json(HTTPStatus.OK, {"action": request.action, "by": request.by, "at": request.at})
+                self._json(HTTPStatus.OK, asdict(made))
 
     def _from_here(self) -> bool:
         """Whether a request names this computer as host, and as origin if it has one; answer it if not."""

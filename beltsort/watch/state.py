@@ -14,6 +14,7 @@ from beltsort.sorting.audit import action_of
 from beltsort.sorting.entries import Planned, State
 from beltsort.sorting.progress import Next
 from beltsort.sorting.report import REJECTED, Decision, confusion
+from beltsort.sorting.settling import Question
 from beltsort.watch.history import Alarm, Moment, RunHistory, ScanMark, most_likely
 
 SHOWN_ALARMS = 50
@@ -103,12 +104,13 @@ class RunView:
     run: str
     state: str
     reason: str
+    question: Question | None
     ended: str | None
     updated: str
     """Time of the last entry, UTC."""
     entry: int
     first: int
-    objects: int
+    objects: int | None
     first_step: int
     last_step: int
     classes: list[str]
@@ -146,6 +148,7 @@ def state_of(
         run=progress.run,
         state=history.state.value,
         reason=history.reason,
+        question=history.question,
         ended=history.ended,
         updated=updated,
         entry=history.last_entry,

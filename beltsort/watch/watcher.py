@@ -9,11 +9,12 @@ import numpy as np
 
 from beltsort.errors import JournalError
 from beltsort.planning.explanation import explain
-from beltsort.sorting.audit import journal_of
+from beltsort.sorting.holds import Answer, Reply
 from beltsort.sorting.journal import entries_after, read_journal
 from beltsort.sorting.kept_scans import SCANS, KeptScan, kept_scans, scan_file
 from beltsort.sorting.requests import Action, Request, is_token, read_request, takes_requests, write_request
-from beltsort.sorting.runs import read_true_classes
+from beltsort.sorting.runs import journal_of, read_true_classes
+from beltsort.sorting.settling import settle
 from beltsort.watch.history import RunHistory
 from beltsort.watch.state import RunView, moment_of, state_of
 
@@ -81,7 +82,7 @@ class Watcher:
     Parameters
     ----------
     run
-        As in `beltsort.sorting.audit.journal_of`.
+        As in `beltsort.sorting.runs.journal_of`.
 
     Raises
     ------
@@ -172,6 +173,10 @@ class Watcher:
         request = Request.now(action, "beltsort watch")
         write_request(self.folder, request)
         return request
+
+    def settle(self, answer: Answer, question: int) -> Reply:
+        """Answer the question that a journal entry asks; as `beltsort.sorting.settling.settle`."""
+        return settle(self.folder, answer, "beltsort watch", question)
 
     def _explain(self, number: int) -> str:
         with self._lock:

@@ -15,7 +15,7 @@ import pytest
 from beltsort import BeltsortError
 from beltsort.cell import Outcome, SortInto
 from beltsort.cli import code_of, exit_codes, main
-from beltsort.cli.run import CommandLineOperator
+from beltsort.cli.operator import CommandLineOperator
 from beltsort.drivers.fieldbus import FieldbusDevice
 from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.models import paper

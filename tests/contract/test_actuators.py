@@ -7,7 +7,7 @@ from beltsort.testing.fault_kinds import Fault
 from tests.contract.bench import Bench, benches, error_of, new_id
 from tests.contract.in_process import InProcessPeer
 from tests.contract.peer import Peer, ProcessPeer
-from tests.contract.peers import EVERY, IN_PROCESS, POSED, PROCESSES, REFUSING
+from tests.contract.peers import EVERY, IN_PROCESS, POSED, PROCESSES, REFUSING, ServerPeer
 from tests.contract.ros1_peer import Ros1Peer
 
 pytestmark = pytest.mark.process
@@ -94,6 +94,18 @@ def test_a_full_bin_takes_nothing(bench: Bench[Peer]) -> None:
     expected = bench.after(target)
     bench.act(target, command_id)
     bench.check(expected)
+
+
+@benches(PROCESSES, "belt")
+def test_the_next_program_finds_the_belt_where_it_stands(bench: Bench[ProcessPeer]) -> None:
+    target = bench.peer.fresh("belt")
+    bench.act(target, new_id())
+    peer = bench.peer
+    following = peer.unhomed() if isinstance(peer, ServerPeer) else peer.ready("belt")
+    assert not following.health().needs_home
+    assert following.position() == target
+    following.advance_to(target + 1, new_id())
+    assert following.position() == bench.world == target + 1
 
 
 @benches(PROCESSES)

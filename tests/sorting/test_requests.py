@@ -3,7 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
@@ -128,6 +128,15 @@ def test_a_hold_stands_over_a_crash(tmp_path: Path) -> None:
     resumed = kinds(tmp_path)
     assert resumed[resumed.index("resume") :][:4] == ["resume", "state", "request", "state"]
     assert len(cell.acts) > acts
+
+
+def test_a_request_to_stop_is_for_one_process(tmp_path: Path) -> None:
+    write_request(tmp_path, replace(HOLD, action="stop"))
+    with taking_requests(tmp_path):
+        assert read_request(tmp_path) is None
+        write_request(tmp_path, HOLD)
+    with taking_requests(tmp_path):
+        assert read_request(tmp_path) == HOLD
 
 
 def test_an_interrupt_ends_a_held_run(tmp_path: Path) -> None:

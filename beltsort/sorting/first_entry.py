@@ -1,0 +1,24 @@
+"""What the first entry of a journal tells."""
+
+from collections.abc import Sequence
+
+from beltsort._core import SortingModel
+from beltsort.errors import JournalError
+from beltsort.sorting.entries import Snapshot, Started
+from beltsort.sorting.journal import Entry
+
+
+def model_of(entries: Sequence[Entry]) -> SortingModel:
+    """Return the model of a run, from its entries.
+
+    Raises
+    ------
+    JournalError
+        If the first one is neither a start nor a snapshot.
+    """
+    first = entries[0]
+    if not isinstance(first.content, Started | Snapshot):
+        raise JournalError(
+            f"the journal begins with {first.kind!r}, expected 'start' or 'snapshot': it is damaged"
+        )
+    return SortingModel.from_json(first.content.model)

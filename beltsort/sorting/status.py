@@ -1,0 +1,140 @@
+"""The state of a run as seen from another process."""
+
+from collections import Counter
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from beltsort.sorting.entries import Ended, Resumed, Started, State, StateChanged
+from beltsort.sorting.entry_text import in_words
+from beltsort.sorting.journal import read_journal
+from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.locks import holder_of, in_use
+from beltsort.sorting.progress import Progress
+from beltsort.sorting.report import REJECTED
+from beltsort.sorting.runs import LOCK
+from beltsort.sorting.settling import Question, open_question
+
+
+class Condition(StrEnum):
+    """What has become of a run."""
+
+    RUNNING = "running"
+    HELD = "held"
+    """It is held, whether its process waits or has ended."""
+    FINISHED = "finished"
+    STOPPED = "stopped"
+    """Ended by a person, and can be resumed."""
+    ABORTED = "aborted"
+    """Ended by the emergency stop or by an unexpected error."""
+    KILLED = "killed"
+    """Its process is gone without having ended the run: killed, or the power failed."""
+
+
+@dataclass(frozen=True)
+class RunStatus:
+    """The state of a run.
+
+    Attributes
+    ----------
+    folder
+        The run's.
+    condition
+        What has become of it.
+    reason
+        Why it is held, stopped or aborted; empty otherwise.
+    pid
+        The process that works on it; None if there is none.
+    object
+        Number of the object at the belt end.
+    objects
+        Number of objects to sort; None: until the run is told to stop.
+    left
+        Number of objects that have not left the belt end; None if their number is not limited.
+    bins
+        Number of objects in each bin that has any, as far as the journal is kept.
+    skipped, passed
+        Numbers of empty cups, and of objects that passed the belt end unsorted.
+    steps
+        Number of planner steps.
+    updated
+        Time of the last entry, UTC, ISO 8601.
+    question
+        The question at which it is held; None if there is none.
+    """
+
+    folder: Path
+    condition: Condition
+    reason: str
+    pid: int | None
+    object: int
+    objects: int | None
+    left: int | None
+    bins: dict[str, int]
+    skipped: int
+    passed: int
+    steps: int
+    updated: str
+    question: Question | None
+
+
+def status_of(folder: Path) -> RunStatus:
+    """Return the state of a run; nothing is written.
+
+    Parameters
+    ----------
+    folder
+        The run's.
+
+    Raises
+    ------
+    JournalError
+        If there is no journal, or it is damaged.
+    """
+    used = in_use(folder / LOCK)  # before the entries: a run that ends in between has not been killed
+    entries = read_journal(folder / JOURNAL)
+    progress = Progress.after(entries)
+    latest, ended = StateChanged(State.EXECUTE, ""), False
+    for entry in entries:
+        match entry.content:
+            case StateChanged() as latest:
+                pass
+            case Started() | Resumed():
+                ended = False
+            case Ended():
+                ended = True
+    alive = used and not ended
+    holder = holder_of(folder / LOCK) if alive else None
+    state = latest.state
+    running = state in (State.EXECUTE, State.COMPLETE)
+    names = [*progress.model.bins, REJECTED]
+    done = progress.decisions if progress.bin is None else progress.decisions[:-1]
+    counts = Counter(names[-1 if decision.label is None else decision.label] for decision in done)
+    return RunStatus(
+        folder,
+        _condition(state, alive=alive, ended=ended),
+        "" if running else in_words(latest.reason, latest.ways),
+        None if holder is None else holder.pid,
+        progress.index,
+        progress.objects,
+        progress.left,
+        {name: counts[name] for name in names if counts[name]},
+        len(progress.skipped),
+        len(progress.passed),
+        progress.steps,
+        entries[-1].time,
+        open_question(entries),
+    )
+
+
+def _condition(state: State, *, alive: bool, ended: bool) -> Condition:
+    match state:
+        case State.HELD if alive or ended:
+            return Condition.HELD
+        case State.COMPLETE:
+            return Condition.FINISHED
+        case State.STOPPED if ended:
+            return Condition.STOPPED
+        case State.ABORTED if ended:
+            return Condition.ABORTED
+    return Condition.RUNNING if alive else Condition.KILLED
