@@ -11,17 +11,22 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
+from beltsort.cell import CommandError
 from beltsort.cli.exit_codes import WRONG
 from beltsort.planning.explanation import explain
 from beltsort.sim import CellConfig
 from beltsort.sorting.audit import entries_of, step_of, steps_of
 from beltsort.sorting.entries import Scanned
+from beltsort.sorting.holds import Answer, HeldError
 from beltsort.sorting.journal import entries_after
+from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.kept_scans import kept_scans, scan_file
 from beltsort.sorting.progress import Progress
+from beltsort.sorting.record import progress_in
 from beltsort.sorting.requests import TOKEN, read_request, read_token, taking_requests
 from beltsort.watch import Watcher, WatchServer
 from tests.cli.running import command
+from tests.sorting.test_recovery import PAPER, Controller, begin
 from tests.watch.runs import TRUE, sort_bulbs
 
 pytestmark = [pytest.mark.process, pytest.mark.slow]
@@ -228,6 +233,27 @@ def test_a_live_run_is_followed_held_and_continued(tmp_path: Path, browser: Brow
         expect(page.locator("#step")).not_to_have_text(f"now, {progress.steps} steps", timeout=20_000)
         page.reload()
         expect(page.locator("#hold")).to_be_enabled()
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_a_question_is_answered_by_a_button(tmp_path: Path, browser: Browser, width: int) -> None:
+    cell = Controller(PAPER, breaks={"sort": [CommandError]})
+    with pytest.raises(HeldError), taking_requests(tmp_path):
+        begin(tmp_path, cell)
+    with WatchServer(Watcher(tmp_path)) as server:
+        with opened(browser, server.url) as page:
+            expect(page.locator("#question")).to_contain_text("settle it as not-done")
+            assert page.locator("#question button").count() == 0
+        with opened(browser, f"{server.url}#token={read_token(tmp_path)}") as page:
+            page.set_viewport_size({"width": width, "height": 800})
+            expect(page.locator("#notice")).to_contain_text("was broken off")
+            expect(page.locator("#notice")).not_to_contain_text("--settle")
+            assert page.locator("#question button").all_inner_texts() == ["done", "not-done"]
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
+            page.locator("#question button").first.click()
+            expect(page.locator("#question")).to_contain_text("answered: done; resume the run")
+            expect(page.locator("#question button").last).to_be_disabled()
+    assert progress_in(tmp_path / JOURNAL).settled is Answer.DONE
 
 
 def test_without_the_token_a_run_is_only_watched(tmp_path: Path, browser: Browser) -> None:

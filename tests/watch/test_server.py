@@ -9,11 +9,17 @@ from typing import Any
 
 import pytest
 
+from beltsort.cell import CommandError
+from beltsort.cli.operator import CommandLineOperator
 from beltsort.errors import JournalError
 from beltsort.sorting.audit import entries_of, step_of
+from beltsort.sorting.holds import HeldError
+from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.kept_scans import KeptScan, kept_scans, scan_file
+from beltsort.sorting.record import progress_in
 from beltsort.sorting.requests import TOKEN, read_request, read_token, taking_requests
 from beltsort.watch import Watcher, WatchServer
+from tests.sorting.test_recovery import PAPER, Controller, begin, go_on, sorts
 
 
 @pytest.fixture
@@ -225,3 +231,27 @@ def test_a_damaged_scan_is_no_scan(finished: Path, tmp_path: Path) -> None:
             scene = json_of(server, "/api/scene?step=2")
         assert scene["entry"] is None
         assert "cannot be read" in scene["missing"]
+
+
+def test_a_question_is_answered_with_the_token(tmp_path: Path) -> None:
+    cell = Controller(PAPER, breaks={"sort": [CommandError]})
+    with pytest.raises(HeldError), taking_requests(tmp_path):
+        begin(tmp_path, cell)
+    token = read_token(tmp_path)
+    assert token is not None
+    with WatchServer(Watcher(tmp_path)) as server:
+        question = json_of(server, "/api/state")["run"]["question"]
+        assert [way["answer"] for way in question["ways"]] == ["done", "not-done"]
+        assert question["settled"] is None
+        path = f"/api/settle/done/{question['entry']}"
+        assert control(server, path, "") == 403
+        assert control(server, f"/api/settle/done/{question['entry'] - 1}", token) == 409  # an earlier page
+        assert control(server, path.replace("done", "passed"), token) == 409
+        assert control(server, path.replace("done", "eaten"), token) == 404
+        assert json_of(server, "/api/state")["run"]["question"]["settled"] is None
+        assert control(server, path, token) == 200
+        assert json_of(server, "/api/state")["run"]["question"]["settled"] == "done"
+        assert "(beltsort watch)" in json_of(server, "/api/state")["run"]["alarms"][0]["text"]
+        go_on(tmp_path, cell, CommandLineOperator(None, progress_in(tmp_path / JOURNAL)))
+        assert json_of(server, "/api/state")["run"]["question"] is None
+    assert len(sorts(cell)) == 1

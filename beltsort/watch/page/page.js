@@ -206,8 +206,9 @@ function showHeader({ run, takes_requests: takes, request }) {
   byId("state").textContent = running && silent > SILENT ? `Silent for ${Math.round(silent)} s` : run.state;
   byId("state").className = `state ${running && silent > SILENT ? "Held" : run.state}`;
   byId("doing").textContent = shown == null ? moment.doing : `as it was before step ${shown}, ${clock(moment.time)}`;
-  const done = Math.min(run.objects, moment.object - run.first);
-  byId("progress").textContent = `${done} of ${run.objects} objects, run ${run.run}`;
+  const past = moment.object - run.first;
+  const done = run.objects == null ? past : `${Math.min(run.objects, past)} of ${run.objects}`;
+  byId("progress").textContent = `${done} objects, run ${run.run}`;
   const asked = request?.action === "hold";
   const held = run.state === "Held" && run.ended == null;
   let notice = "";
@@ -215,9 +216,34 @@ function showHeader({ run, takes_requests: takes, request }) {
   if (asked && takes && running) notice = "The run holds after this step.";
   if (Date.now() < failure.until) notify(failure.text, true);
   else notify(notice, run.state === "Aborted");
+  showQuestion(run, Boolean(token && takes));
   byId("control").hidden = !(token && takes);
   byId("hold").disabled = asked || !running;
   byId("continue").disabled = !(asked && (held || running));
+}
+
+// What a held run asks: each way to go on, with a button where it is an answer that may be given here.
+function showQuestion({ question, ended }, mayAnswer) {
+  const list = byId("question");
+  const text = JSON.stringify([question, ended, mayAnswer]);
+  list.hidden = question == null;
+  if (question == null || list.dataset.shown === text) return;
+  list.dataset.shown = text;
+  list.replaceChildren(...question.ways.map(({ when, answer, home }) => {
+    const item = element("li", `${when}: `);
+    const homing = home == null ? [] : [`home the belt to ${home === "NUMBER" ? "its number" : home}`];
+    if (answer == null) item.append([...homing, "resume the run"].join(", then "));
+    else if (!mayAnswer) item.append([...homing, `settle it as ${answer}`].join(", then "));
+    else {
+      const button = element("button", answer);
+      button.type = "button";
+      button.disabled = question.settled != null;
+      button.addEventListener("click", () => request(`/api/settle/${answer}/${question.entry}`));
+      item.append(...homing.map((words) => `${words}, then `), button);
+    }
+    return item;
+  }));
+  if (question.settled != null) list.append(element("li", `answered: ${question.settled}; resume the run`));
 }
 
 function notify(text, bad = false) {
