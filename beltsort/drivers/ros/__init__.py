@@ -1,1 +1,1 @@
-"""Contents of ROS messages, of ROS 1, ROS 2 and recordings: point clouds, frames, joint positions."""
+"""What ROS 1, ROS 2 and recordings share: contents of messages, and the devices of a running cell."""

@@ -1,7 +1,7 @@
 """Taught joint positions of viewpoints, and the viewpoint at which an arm stands."""
 
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from beltsort.errors import CellError
 
@@ -40,3 +40,8 @@ def standing_at(taught: Mapping[str, Joints], reported: Joints, tolerance: float
 def joints_text(joints: Joints) -> str:
     """Return joint positions as text."""
     return ", ".join(f"{name} {position:.4f}" for name, position in joints.items())
+
+
+def joints_of(message: Mapping[str, Any]) -> dict[str, float]:
+    """Return the positions of a sensor_msgs/JointState by joint."""
+    return dict(zip(message["name"], message["position"], strict=False))

@@ -4,16 +4,13 @@ Needs rospy from Debian's packages, which runs in a process of its own, started 
 `docs/ros.md` describes the interface.
 """
 
-from beltsort.drivers.ros1.arm import Ros1Arm
-from beltsort.drivers.ros1.belt import Ros1Belt
-from beltsort.drivers.ros1.camera import Ros1Camera
+from beltsort.drivers.ros1.devices import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
 from beltsort.drivers.ros1.options import (
     Ros1ArmOptions,
     Ros1BeltOptions,
     Ros1CameraOptions,
     Ros1SorterOptions,
 )
-from beltsort.drivers.ros1.sorter import Ros1Sorter
 
 __all__ = [
     "Ros1Arm",

@@ -1,42 +1,16 @@
 """The two interfaces by which arms on ROS 1 are commanded."""
 
-from typing import Any, Protocol
 from uuid import uuid4
 
 from beltsort.drivers.deadline import Deadline
+from beltsort.drivers.ros.commanding import Commanding, Outgoing
 from beltsort.drivers.ros.joints import Joints
-from beltsort.drivers.ros1.link import Link
+from beltsort.drivers.ros.link import Link, Topics
 from beltsort.drivers.ros1.options import Ros1ArmOptions
 from beltsort.drivers.ros1.status import RUNNING, SUCCEEDED
 
 POSITION_MODE = 1
 """Position mode of JointCommand."""
-
-Outgoing = tuple[str, dict[str, Any]]
-"""A topic and a message to publish on it."""
-
-
-class Commanding(Protocol):
-    """An interface by which an arm is commanded."""
-
-    topic: str
-    """The topic to which the arm subscribes."""
-    publish: dict[str, str]
-    subscribe: dict[str, str]
-    repeats: bool
-    """Whether commands must be repeated during a motion."""
-
-    def begin(self, target: Joints) -> Outgoing:
-        """Return the message that starts a motion."""
-
-    def again(self) -> Outgoing | None:
-        """Return the message to repeat during a motion, if any."""
-
-    def halt(self, joints: Joints) -> Outgoing:
-        """Return the message that stops an arm whose joints are at `joints`."""
-
-    def ended(self, link: Link, deadline: Deadline) -> str | None:
-        """Return how the arm reports the end of the motion; None while it runs, or if it does not report."""
 
 
 class JointCommands:
@@ -51,8 +25,7 @@ class JointCommands:
     def __init__(self, topic: str) -> None:
         self.topic = topic
         self.repeats = True
-        self.publish = {topic: "baxter_core_msgs/JointCommand"}
-        self.subscribe: dict[str, str] = {}
+        self.topics = Topics(publish={topic: "baxter_core_msgs/JointCommand"})
         self._target: Joints = {}
 
     def begin(self, target: Joints) -> Outgoing:
@@ -89,11 +62,13 @@ class TrajectoryAction:
         self.topic = f"{action}/goal"
         self._goal = ""
         self.repeats = False
-        self.publish = {
-            self.topic: "control_msgs/FollowJointTrajectoryActionGoal",
-            f"{action}/cancel": "actionlib_msgs/GoalID",
-        }
-        self.subscribe = {f"{action}/status": "actionlib_msgs/GoalStatusArray"}
+        self.topics = Topics(
+            publish={
+                self.topic: "control_msgs/FollowJointTrajectoryActionGoal",
+                f"{action}/cancel": "actionlib_msgs/GoalID",
+            },
+            subscribe={f"{action}/status": "actionlib_msgs/GoalStatusArray"},
+        )
 
     def begin(self, target: Joints) -> Outgoing:
         """Return a goal with a new id; the server ignores known ids."""

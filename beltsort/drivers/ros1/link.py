@@ -1,28 +1,27 @@
-"""A link to a node in another process, with deadlines and restarts."""
+"""A link to a ROS 1 node."""
 
-from collections.abc import Iterable
-from threading import RLock
+import os
+import sys
 from typing import Any
-from uuid import uuid4
 
-from beltsort.cell.commands import CommandError, Outcome
+from beltsort.cell.commands import CommandError
 from beltsort.drivers.deadline import Deadline
-from beltsort.drivers.ros1.master import Master
+from beltsort.drivers.ros.link import Link, Topics
+from beltsort.drivers.ros.process import NodeProcess, Program
+from beltsort.drivers.ros1.master import Master, node_pid
 from beltsort.drivers.ros1.options import Ros1Options
-from beltsort.drivers.ros1.process import Answer, NodeProcess
 
 MASTER_TIMEOUT = 2.0
 """Timeout of the master's replies, seconds."""
 
-START_TIMEOUT = 20.0
-"""Timeout of the start of a node, seconds; it takes one on an idle computer."""
+HEALTH_TIMEOUT = 1.0
+"""Timeout of the master's and the node's replies about a peer, seconds each."""
 
-GRACE = 1.0
-"""Time by which the node may miss a deadline before it is considered to hang, seconds."""
+PACKAGES = "on Debian, run scripts/bootstrap, or sudo apt-get install python3-rospy python3-tf2-msgs"
 
 
-class Link:
-    """A ROS 1 node, started when it is first needed and restarted after it or the master was restarted.
+class Ros1Link(Link):
+    """A ROS 1 node, also restarted after the master was restarted.
 
     Parameters
     ----------
@@ -30,86 +29,51 @@ class Link:
         Address of the ROS 1 system.
     role
         Part of the node's name.
-    publish, subscribe
-        Message type of each topic.
-    joints
-        Joint states without all of these joints are ignored.
-    tf
-        Whether to subscribe to tf.
-    pose_age
-        Largest difference between a requested time and that of a transform, seconds.
+    topics
+        Its topics.
     """
 
-    def __init__(
-        self,
-        options: Ros1Options,
-        role: str,
-        *,
-        publish: dict[str, str] | None = None,
-        subscribe: dict[str, str] | None = None,
-        joints: Iterable[str] = (),
-        tf: bool = False,
-        pose_age: float = 0.2,
-    ) -> None:
-        self.master = Master(options.master)
-        self._options, self._role = options, role
-        topics = {"publish": publish or {}, "subscribe": subscribe or {}}
-        self._setup = {**topics, "joints": sorted(joints), "tf": tf, "pose_age": pose_age}
-        self._lock = RLock()
-        self._process: NodeProcess | None = None
+    def __init__(self, options: Ros1Options, role: str, topics: Topics) -> None:
+        super().__init__(role, topics)
+        self._master, self._options = Master(options.master), options
 
-    def connect(self, timeout: float = START_TIMEOUT) -> None:
-        """Start the node unless it runs and is registered with the master.
+    @property
+    def address(self) -> str:
+        """The master's URI."""
+        return self._master.uri
 
-        Raises
-        ------
-        CommandError
-            `NOT_DONE` if the master does not answer, the node does not start, or rospy is missing.
-        """
-        with self._lock:
-            running, asking = self._process, min(MASTER_TIMEOUT, timeout)
-            if running is None or not running.alive() or not self._known(running, asking):
-                self.close()
-                deadline = Deadline(timeout)
-                self.master.identity(asking)  # rospy waits for a master without a timeout
-                name = f"beltsort_{self._role}_{uuid4().hex[:8]}"
-                self._process = NodeProcess(self._options, {**self._setup, "name": name}, deadline.left())
+    def identity(self, timeout: float) -> str:
+        """Return the identity of the master."""
+        return self._master.identity(timeout)
 
-    def ask(self, request: str, timeout: float, **arguments: Any) -> Answer:
-        """Send a request to the node, which must be connected, and return its answer.
+    def peer(self, _topic: str, node: str, /) -> tuple[str, str]:
+        """Return the identities of the master and of a node, which is asked for it."""
+        boot_id = self.identity(HEALTH_TIMEOUT)
+        uri = self._master.node_uri(node, HEALTH_TIMEOUT)
+        if uri is None:
+            return boot_id, f"the node {node} has left the master; start it again"
+        boot_id += f" {uri}"
+        try:
+            return f"{boot_id} {node_pid(node, uri, HEALTH_TIMEOUT)}", ""
+        except CommandError as reason:
+            return boot_id, str(reason)
 
-        Raises
-        ------
-        CommandError
-            `UNKNOWN` if it does not answer in time, or has ended.
-        CellError
-            If the request fails, with the node's message.
-        """
-        process = self._process
-        if process is None:
-            raise CommandError(
-                f"the ROS node {self._role!r} is not connected; call connect()", Outcome.NOT_DONE
-            )
-        return process.ask(request, timeout, **arguments)
+    def _usable(self, process: NodeProcess, timeout: float) -> bool:
+        uri = self._master.node_uri(f"/{process.name}", min(MASTER_TIMEOUT, timeout))
+        return uri is not None and uri == process.started["uri"]
 
-    def newest(
-        self, topic: str, deadline: Deadline, *, after: int = 0, wait: float = 0.0, not_before: float = 0.0
-    ) -> Answer:
-        """Return the newest message of `topic` with a number above `after`.
+    def _start(self, setup: dict[str, Any], deadline: Deadline) -> NodeProcess:
+        self.identity(min(MASTER_TIMEOUT, deadline.left()))  # rospy waits for a master without a timeout
+        return NodeProcess(_program(self._options), setup, deadline.left())
 
-        "message" is None if there is none within `wait` seconds, or by the deadline. The bytes of a message
-        with a stamp earlier than `not_before` are omitted.
-        """
-        left = deadline.left()
-        asked = {"topic": topic, "after": after, "wait": min(wait, left), "not_before": not_before}
-        return self.ask("newest", left + GRACE, **asked)
 
-    def close(self) -> None:
-        """End the node."""
-        with self._lock:
-            if self._process is not None:
-                self._process.end()
-                self._process = None
-
-    def _known(self, process: NodeProcess, timeout: float) -> bool:
-        return self.master.node_uri(f"/{process.name}", timeout) == process.uri
+def _program(options: Ros1Options) -> Program:
+    """Return the node program, with this process's `sys.path` and the addresses of ROS."""
+    path = os.pathsep.join(entry or os.curdir for entry in sys.path)
+    ros = {"ROS_MASTER_URI": options.master, "ROS_IP": options.address, "ROS_HOSTNAME": options.address}
+    return Program(
+        [sys.executable, "-m", "beltsort.drivers.ros1.node"],
+        {**os.environ, "PYTHONPATH": path, **ros},
+        "ROS 1 needs rospy",
+        PACKAGES,
+    )

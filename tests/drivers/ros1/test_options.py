@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from beltsort.drivers.ros.standstill import Motion, Standstill
 from beltsort.drivers.ros1.options import Ros1ArmOptions, Ros1CameraOptions, Ros1SorterOptions
-from beltsort.drivers.ros1.standstill import Motion, Standstill
 from beltsort.errors import CellError
 from tests.drivers.ros1 import scene
 

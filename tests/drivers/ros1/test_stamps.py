@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from beltsort.drivers.ros1.node import Arrived, answered
+from beltsort.drivers.ros.serving import Arrived, answered
 
 
 def message(stamp: float) -> Any:

@@ -4,16 +4,16 @@ from itertools import count, takewhile
 
 from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
 from beltsort.drivers.deadline import Deadline
+from beltsort.drivers.ros.device import HEALTH_TIMEOUT, Received, RosDevice, emergency_stop
+from beltsort.drivers.ros.keys import KeyStatus, Report
 from beltsort.drivers.ros.ledger import Ledger
-from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
-from beltsort.drivers.ros1.link import Link
-from beltsort.drivers.ros1.options import Ros1SorterOptions
-from beltsort.drivers.ros1.status import REFUSED, RUNNING, SUCCEEDED
+from beltsort.drivers.ros.link import MakeLink, Topics
+from beltsort.drivers.ros.options import SorterOptions
 from beltsort.errors import CellError
 
 
-class Ros1Sorter(Ros1Device):
-    """A sorter on ROS 1.
+class RosSorter(RosDevice):
+    """A sorter on ROS.
 
     A sort must not be executed twice, so the sorter must remember keys: it executes a key once, and publishes
     its status. A key is the command id with the number of the attempt, "id/1" for example; a command that was
@@ -23,17 +23,19 @@ class Ros1Sorter(Ros1Device):
     ----------
     options
         Its topics.
+    report
+        The message with which it reports its keys.
+    link
+        Function that returns the link.
     """
 
-    def __init__(self, options: Ros1SorterOptions) -> None:
-        link = Link(
-            options,
-            "sorter",
+    def __init__(self, options: SorterOptions, report: Report, link: MakeLink) -> None:
+        topics = Topics(
             publish={options.command_topic: "diagnostic_msgs/KeyValue", options.stop_topic: "std_msgs/Empty"},
-            subscribe={options.state_topic: "actionlib_msgs/GoalStatusArray", **emergency_stop(options)},
+            subscribe={options.state_topic: report.kind, **emergency_stop(options)},
         )
-        super().__init__(link, options.state_topic, emergency_stop_topic=options.emergency_stop_topic)
-        self._options = options
+        super().__init__(link("sorter", topics), options.state_topic, options.emergency_stop_topic)
+        self._options, self._report = options, report
         self._ledger = Ledger()
         self._boot_ids: dict[str, str] = {}
         """Boot id of the sorter when each command was first sent."""
@@ -52,10 +54,10 @@ class Ros1Sorter(Ros1Device):
             received = self._await(Deadline(HEALTH_TIMEOUT))
         except CellError:
             return Outcome.UNKNOWN
-        statuses = _statuses(received)
+        statuses = self._statuses(received)
         attempts = takewhile(statuses.__contains__, (f"{command_id}/{number}" for number in count(1)))
-        known = [statuses[key][0] for key in attempts]
-        return _outcome(known[-1]) if known else Outcome.UNKNOWN
+        known = [statuses[key].outcome for key in attempts]
+        return known[-1] if known else Outcome.UNKNOWN
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into bin number `label`.
@@ -98,7 +100,7 @@ class Ros1Sorter(Ros1Device):
                 "check where the object is, and use a new id",
                 Outcome.UNKNOWN,
             )
-        key = _key(command_id, _statuses(self._await(deadline)))
+        key = _key(command_id, self._statuses(self._await(deadline)))
         self._publish(self._options.command_topic, {"key": key, "value": str(label)}, deadline)
         return key
 
@@ -107,16 +109,16 @@ class Ros1Sorter(Ros1Device):
         number = 0
         while (received := self._await(deadline, number)) is not None:
             number = received.number
-            status, text = _statuses(received).get(key, (None, ""))
-            if status == SUCCEEDED:
+            status = self._statuses(received).get(key)
+            if status is not None and status.outcome is Outcome.DONE:
                 return received.stamp
-            if status in REFUSED:
+            if status is not None and status.outcome is Outcome.NOT_DONE:
                 raise CommandError(
-                    f"the sorter refused {key!r}: {text}; resolve this and repeat", Outcome.NOT_DONE
+                    f"the sorter refused {key!r}: {status.text}; resolve this and repeat", Outcome.NOT_DONE
                 )
-            if status is not None and status not in RUNNING:
+            if status is not None and status.outcome is Outcome.BROKEN_OFF:
                 raise CommandError(
-                    f"the sorter broke {key!r} off ({status}): {text}; check where the object is",
+                    f"the sorter broke {key!r} off ({status.name}): {status.text}; check where the object is",
                     Outcome.BROKEN_OFF,
                 )
             self._check_emergency_stop(deadline, Outcome.UNKNOWN)
@@ -126,23 +128,13 @@ class Ros1Sorter(Ros1Device):
             Outcome.UNKNOWN,
         )
 
-
-def _statuses(received: Received | None) -> dict[str, tuple[int, str]]:
-    """Return the status and its explanation of each key that the sorter remembers."""
-    listed = [] if received is None else received.message["status_list"]
-    return {entry["goal_id"]["id"]: (entry["status"], entry["text"]) for entry in listed}
+    def _statuses(self, received: Received | None) -> dict[str, KeyStatus]:
+        """Return the status of each key that the sorter remembers."""
+        return {} if received is None else self._report.statuses(received.message)
 
 
-def _outcome(status: int) -> Outcome:
-    """Return the outcome for the status of a key."""
-    if status == SUCCEEDED:
-        return Outcome.DONE
-    if status in RUNNING:
-        return Outcome.RUNNING
-    return Outcome.NOT_DONE if status in REFUSED else Outcome.BROKEN_OFF
-
-
-def _key(command_id: str, statuses: dict[str, tuple[int, str]]) -> str:
+def _key(command_id: str, statuses: dict[str, KeyStatus]) -> str:
     """Return the key of the first attempt that was not rejected."""
     attempts = (f"{command_id}/{number}" for number in count(1))
-    return next(key for key in attempts if statuses.get(key, (None, ""))[0] not in REFUSED)
+    rejected = {key for key, status in statuses.items() if status.outcome is Outcome.NOT_DONE}
+    return next(key for key in attempts if key not in rejected)

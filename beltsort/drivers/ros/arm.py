@@ -1,17 +1,17 @@
 """An arm commanded by joint positions."""
 
+from dataclasses import replace
 from threading import Lock
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.drivers.deadline import Deadline
-from beltsort.drivers.ros.joints import distance, joints_text
+from beltsort.drivers.ros.commanding import Commanding, Outgoing
+from beltsort.drivers.ros.device import HEALTH_TIMEOUT, Received, RosDevice, emergency_stop
+from beltsort.drivers.ros.joints import distance, joints_of, joints_text
 from beltsort.drivers.ros.ledger import Ledger
-from beltsort.drivers.ros1.camera import joints_of
-from beltsort.drivers.ros1.commanding import Outgoing, commanding
-from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
-from beltsort.drivers.ros1.link import Link
-from beltsort.drivers.ros1.options import Ros1ArmOptions
-from beltsort.drivers.ros1.standstill import Motion, Standstill
+from beltsort.drivers.ros.link import MakeLink
+from beltsort.drivers.ros.options import ArmOptions
+from beltsort.drivers.ros.standstill import Motion, Standstill
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
@@ -19,8 +19,8 @@ POLL_INTERVAL = 0.05
 """Interval at which joint states are read and commands repeated, seconds."""
 
 
-class Ros1Arm(Ros1Device):
-    """An arm on ROS 1.
+class RosArm(RosDevice):
+    """An arm on ROS.
 
     ROS has no command ids. Commands whose end this process observed are recorded. For the last command,
     `outcome_of` otherwise compares the arm's position with the target; for commands of an earlier process, or
@@ -30,26 +30,23 @@ class Ros1Arm(Ros1Device):
     ----------
     options
         Its topics and viewpoints.
+    commanding
+        The interface by which it is commanded.
+    link
+        Function that returns the link.
     """
 
-    def __init__(self, options: Ros1ArmOptions) -> None:
-        self._commanding = commanding(options)
+    def __init__(self, options: ArmOptions, commanding: Commanding, link: MakeLink) -> None:
+        self._commanding = commanding
         self._joints = set(options.taught[options.viewpoints[0]])
         states = {options.joint_topic: "sensor_msgs/JointState", **emergency_stop(options)}
-        link = Link(
-            options,
-            "arm",
-            publish=self._commanding.publish,
-            subscribe={**states, **self._commanding.subscribe},
+        topics = replace(
+            commanding.topics,
+            subscribe={**states, **commanding.topics.subscribe},
             joints=self._joints,
             tf=bool(options.flange_frame),
-            pose_age=options.pose_age,
         )
-        super().__init__(
-            link,
-            options.joint_topic,
-            emergency_stop_topic=options.emergency_stop_topic,
-        )
+        super().__init__(link("arm", topics), options.joint_topic, options.emergency_stop_topic)
         self._options = options
         self._ledger = Ledger()
         self._publishing, self._stopped = Lock(), False
@@ -109,7 +106,7 @@ class Ros1Arm(Ros1Device):
         while (received := self._await(deadline, number)) is not None:
             number = received.number
             try:
-                return self._pose_in(world, flange, received.ros_stamp, deadline)
+                return self._pose_in(world, flange, received.ros_stamp, self._options.pose_age, deadline)
             except CellError as reason:
                 refused = str(reason)
         raise CommandError(
@@ -120,7 +117,7 @@ class Ros1Arm(Ros1Device):
         name, deadline = self._options.viewpoints[viewpoint], Deadline(timeout)
         self._stopped = False
         self._link.connect(timeout)
-        if self._await(deadline) is None:
+        if self._current(deadline) is None:
             raise CommandError(
                 f"no joint states on {self._topic} within {timeout:g} s, expected "
                 f"{', '.join(sorted(self._joints))}; start the arm",

@@ -9,10 +9,10 @@ from beltsort.cell.protocols import Scan
 from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.checks import check_pose
 from beltsort.drivers.ros.clouds import Cloud, points_of
-from beltsort.drivers.ros.joints import joints_text, standing_at
-from beltsort.drivers.ros1.device import Received, Ros1Device
-from beltsort.drivers.ros1.link import Link
-from beltsort.drivers.ros1.options import Ros1CameraOptions
+from beltsort.drivers.ros.device import Received, RosDevice
+from beltsort.drivers.ros.joints import joints_of, joints_text, standing_at
+from beltsort.drivers.ros.link import MakeLink, Topics
+from beltsort.drivers.ros.options import CameraOptions
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
@@ -21,8 +21,8 @@ CLOCK_TOLERANCE = 0.1
 "synchronisation."""
 
 
-class Ros1Camera(Ros1Device):
-    """A camera on ROS 1.
+class RosCamera(RosDevice):
+    """A camera on ROS.
 
     A cloud that is too old, in another frame, empty, truncated, without a finite point or without a known
     pose is ignored, and the device waits for the next one.
@@ -31,19 +31,18 @@ class Ros1Camera(Ros1Device):
     ----------
     options
         Its topic and the source of its pose.
+    link
+        Function that returns the link.
     """
 
-    def __init__(self, options: Ros1CameraOptions) -> None:
+    def __init__(self, options: CameraOptions, link: MakeLink) -> None:
         joints = {options.joint_topic: "sensor_msgs/JointState"} if options.joint_topic else {}
-        link = Link(
-            options,
-            "camera",
+        topics = Topics(
             subscribe={options.topic: "sensor_msgs/PointCloud2", **joints},
             joints=next(iter(options.taught.values()), ()),
             tf=bool(options.world_frame),
-            pose_age=options.pose_age,
         )
-        super().__init__(link, options.topic)
+        super().__init__(link("camera", topics), options.topic)
         self._options = options
 
     def stop(self) -> None:
@@ -95,7 +94,7 @@ class Ros1Camera(Ros1Device):
 
     def _pose(self, frame: str, stamp: float, deadline: Deadline) -> Pose:
         if self._options.world_frame:
-            return self._pose_in(self._options.world_frame, frame, stamp, deadline)
+            return self._pose_in(self._options.world_frame, frame, stamp, self._options.pose_age, deadline)
         return self._taught_pose(deadline) if self._options.taught else np.full((4, 4), np.nan)
 
     def _taught_pose(self, deadline: Deadline) -> Pose:
@@ -112,11 +111,6 @@ class Ros1Camera(Ros1Device):
                 "taught viewpoint; move it to one"
             )
         return check_pose(name, self._options.poses[name])
-
-
-def joints_of(message: dict[str, Any]) -> dict[str, float]:
-    """Return the positions of a JointState by joint."""
-    return dict(zip(message["name"], message["position"], strict=False))
 
 
 def _cloud(message: dict[str, Any], data: bytes) -> Cloud:

@@ -1,10 +1,10 @@
-"""The process in which rospy runs, its requests and answers."""
+"""The process in which a node program runs, its requests and answers."""
 
 import json
 import os
 import socket
 import subprocess
-import sys
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, wait
 from contextlib import suppress
 from itertools import count
@@ -13,10 +13,16 @@ from threading import Lock, Thread
 from typing import Any, NamedTuple
 
 from beltsort.cell.commands import CommandError, Outcome
-from beltsort.drivers.ros1.options import Ros1Options
 from beltsort.errors import CellError
 
-PACKAGES = "on Debian, run scripts/bootstrap, or sudo apt-get install python3-rospy python3-tf2-msgs"
+
+class Program(NamedTuple):
+    """A node program: its command, environment, and what it needs with the remedy if that is missing."""
+
+    command: Sequence[str]
+    environment: Mapping[str, str]
+    needs: str
+    remedy: str
 
 
 class Answer(NamedTuple):
@@ -31,8 +37,8 @@ class NodeProcess:
 
     Parameters
     ----------
-    options
-        Address of the ROS 1 system.
+    program
+        The node program; the number of a socket's file descriptor is its last argument.
     setup
         The node's name, its topics and their types, and its use of tf.
     timeout
@@ -41,19 +47,19 @@ class NodeProcess:
     Raises
     ------
     CommandError
-        `NOT_DONE` if it does not start in time, or rospy is missing.
+        `NOT_DONE` if it does not start in time, or something that it needs is missing.
     """
 
-    def __init__(self, options: Ros1Options, setup: dict[str, Any], timeout: float) -> None:
+    def __init__(self, program: Program, setup: dict[str, Any], timeout: float) -> None:
         self.name: str = setup["name"]
         ours, theirs = socket.socketpair()
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "beltsort.drivers.ros1.node", str(theirs.fileno())],
+                [*program.command, str(theirs.fileno())],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
-                env=_environment(options),
+                env=program.environment,
                 start_new_session=True,  # keeps the node alive on Ctrl-C, to stop devices
             )
         self._connection = Connection(ours.detach())
@@ -63,17 +69,16 @@ class NodeProcess:
         Thread(target=self._receive, name=self.name, daemon=True).start()
         try:
             self._send(setup)
-            started = self._started(ready, timeout)
+            self.started = self._started(ready, timeout)
         except BaseException:
             self.end(patience=0.0)
             raise
-        if "missing" in started:
+        if "missing" in self.started:
             self.end()
             raise CommandError(
-                f"ROS 1 needs rospy, which cannot be loaded ({started['missing']}); {PACKAGES}",
+                f"{program.needs}, which cannot be loaded ({self.started['missing']}); {program.remedy}",
                 Outcome.NOT_DONE,
             )
-        self.uri: str = started["uri"]
 
     def _started(self, ready: "Future[Answer]", timeout: float) -> dict[str, Any]:
         try:
@@ -144,10 +149,3 @@ class NodeProcess:
                 "error for the reason, and try again",
                 Outcome.UNKNOWN,
             ) from reason
-
-
-def _environment(options: Ros1Options) -> dict[str, str]:
-    """Return the environment of a node, with this process's `sys.path` and the addresses of ROS."""
-    path = os.pathsep.join(entry or os.curdir for entry in sys.path)
-    ros = {"ROS_MASTER_URI": options.master, "ROS_IP": options.address, "ROS_HOSTNAME": options.address}
-    return {**os.environ, "PYTHONPATH": path, **ros}

@@ -1,16 +1,16 @@
 """The base class of the devices: a link to a node, and the topic on which the device publishes."""
 
 import time
+from contextlib import suppress
 from typing import Any, NamedTuple, Self
-
-import numpy as np
 
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import Health
 from beltsort.drivers.deadline import Deadline
-from beltsort.drivers.ros1.link import GRACE, Link
-from beltsort.drivers.ros1.master import node_pid
-from beltsort.drivers.ros1.options import Ros1ActuatorOptions
+from beltsort.drivers.ros.frames import Frames
+from beltsort.drivers.ros.link import GRACE, Link
+from beltsort.drivers.ros.options import ActuatorOptions
+from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
 WAIT_SLICE = 0.25
@@ -24,7 +24,7 @@ FIRST_MESSAGE = 2.0
 """Timeout of the first message from the device in `health`, seconds."""
 
 HEALTH_TIMEOUT = 1.0
-"""Timeout of the master's and the node's replies in `health`, seconds each."""
+"""Timeout of the ROS system's reply in `health`, seconds."""
 
 
 class Received(NamedTuple):
@@ -43,7 +43,7 @@ class Received(NamedTuple):
     data: bytes
 
 
-class Ros1Device:
+class RosDevice:
     """A device behind a link.
 
     Parameters
@@ -56,23 +56,23 @@ class Ros1Device:
         Topic of the state of the emergency stop; empty if there is none.
     """
 
-    def __init__(self, link: Link, topic: str, *, emergency_stop_topic: str = "") -> None:
+    def __init__(self, link: Link, topic: str, emergency_stop_topic: str = "") -> None:
         self._link, self._topic = link, topic
         self._emergency_stop_topic = emergency_stop_topic
         self._node = ""
 
     @property
     def address(self) -> str:
-        """The master's URI and the device's topic."""
-        return f"{self._link.master.uri}{self._topic}"
+        """The ROS system and the device's topic."""
+        return f"{self._link.address}{self._topic}"
 
     def connect(self) -> None:
-        """Start beltsort's node, if it does not run, and register it with the master.
+        """Start beltsort's node, if it does not run.
 
         Raises
         ------
         CommandError
-            `NOT_DONE` if the master does not answer, the node does not start, or rospy is missing.
+            `NOT_DONE` if the ROS system does not answer, the node does not start, or a package is missing.
         """
         self._link.connect()
 
@@ -91,30 +91,27 @@ class Ros1Device:
     def health(self) -> Health:
         """Return whether the device publishes and its node answers.
 
-        The boot id changes when the master or the device's node restarts.
+        The boot id changes when the ROS system or the device's node restarts.
 
         Raises
         ------
         CommandError
-            `NOT_DONE` if the master does not answer.
+            `NOT_DONE` if the ROS system does not answer.
         """
         self.connect()
-        master = self._link.master.identity(HEALTH_TIMEOUT)
+        system = self._link.identity(HEALTH_TIMEOUT)
         if not self._node:
             self._await(Deadline(FIRST_MESSAGE))
         if not self._node:
-            return Health(False, master, f"no message on {self._topic}; start its publisher")
-        uri = self._link.master.node_uri(self._node, HEALTH_TIMEOUT)
-        if uri is None:
-            return Health(False, master, f"the node {self._node} has left the master; start it again")
-        boot_id = f"{master} {uri}"
-        try:
-            boot_id += f" {node_pid(self._node, uri, HEALTH_TIMEOUT)}"
-            self._check_emergency_stop(Deadline(FIRST_MESSAGE), Outcome.NOT_DONE)
-        except CommandError as reason:
-            pressed = isinstance(reason, EmergencyStopError)
-            return Health(False, boot_id, str(reason), emergency_stop=pressed)
-        return Health(True, boot_id)
+            return Health(False, system, f"no message on {self._topic}; start its publisher")
+        boot_id, fault = self._link.peer(self._topic, self._node)
+        pressed = False
+        if not fault:
+            try:
+                self._check_emergency_stop(Deadline(FIRST_MESSAGE), Outcome.NOT_DONE)
+            except CommandError as reason:
+                fault, pressed = str(reason), isinstance(reason, EmergencyStopError)
+        return Health(not fault, boot_id, fault, emergency_stop=pressed)
 
     def _check_emergency_stop(self, deadline: Deadline, outcome: Outcome) -> None:
         """Raise an error with this outcome if the emergency stop is pressed, or its state is unknown."""
@@ -151,10 +148,19 @@ class Ros1Device:
             if end.left() == 0.0:
                 return None
 
-    def _pose_in(self, world: str, frame: str, stamp: float, deadline: Deadline) -> Pose:
-        """Return the pose of a frame from tf, shape (4, 4)."""
-        asked = {"world": world, "camera": frame, "stamp": stamp}
-        return np.array(self._link.ask("pose", WAIT_SLICE + deadline.left(), **asked).values["pose"])
+    def _current(self, deadline: Deadline) -> Received | None:
+        """Return the next message, since the newest one may be from before a restart of the device."""
+        newest = self._await(deadline, at_most=0.0)
+        return self._await(deadline, newest.number if newest else 0)
+
+    def _pose_in(self, world: str, frame: str, stamp: float, age: float, deadline: Deadline) -> Pose:
+        """Return the pose of a frame from tf, shape (4, 4), not older than `age` seconds."""
+        frames = Frames(age)
+        answer = self._link.ask("transforms", WAIT_SLICE + deadline.left(), stamp=stamp)
+        for transform in answer.values["transforms"]:
+            with suppress(CellError):  # not rigid: an error only if the pose depends on it
+                frames.add(*transform)
+        return frames.pose(world, frame, stamp)
 
     def _publish(self, topic: str, message: dict[str, Any], deadline: Deadline) -> None:
         """Publish a message, waiting for a subscriber.
@@ -182,6 +188,6 @@ class Ros1Device:
         return bool(answer.values["listeners"])
 
 
-def emergency_stop(options: Ros1ActuatorOptions) -> dict[str, str]:
+def emergency_stop(options: ActuatorOptions) -> dict[str, str]:
     """Return the subscription to the state of the emergency stop, if the options name its topic."""
     return {options.emergency_stop_topic: "std_msgs/Bool"} if options.emergency_stop_topic else {}

@@ -3,15 +3,15 @@
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import NOWHERE
 from beltsort.drivers.deadline import Deadline
+from beltsort.drivers.ros.device import HEALTH_TIMEOUT, Received, RosDevice, emergency_stop
 from beltsort.drivers.ros.ledger import Ledger
-from beltsort.drivers.ros1.device import HEALTH_TIMEOUT, Received, Ros1Device, emergency_stop
-from beltsort.drivers.ros1.link import Link
-from beltsort.drivers.ros1.options import Ros1BeltOptions
+from beltsort.drivers.ros.link import MakeLink, Topics
+from beltsort.drivers.ros.options import BeltOptions
 from beltsort.errors import CellError
 
 
-class Ros1Belt(Ros1Device):
-    """A belt on ROS 1.
+class RosBelt(RosDevice):
+    """A belt on ROS.
 
     The state's message has no stamp; the time of a stop is the arrival of the message that reports it.
 
@@ -19,16 +19,16 @@ class Ros1Belt(Ros1Device):
     ----------
     options
         Its topics.
+    link
+        Function that returns the link.
     """
 
-    def __init__(self, options: Ros1BeltOptions) -> None:
-        link = Link(
-            options,
-            "belt",
+    def __init__(self, options: BeltOptions, link: MakeLink) -> None:
+        topics = Topics(
             publish={options.command_topic: "std_msgs/Int32", options.stop_topic: "std_msgs/Empty"},
             subscribe={options.state_topic: "std_msgs/Int32", **emergency_stop(options)},
         )
-        super().__init__(link, options.state_topic, emergency_stop_topic=options.emergency_stop_topic)
+        super().__init__(link("belt", topics), options.state_topic, options.emergency_stop_topic)
         self._options = options
         self._ledger = Ledger()
 
@@ -100,11 +100,6 @@ class Ros1Belt(Ros1Device):
             self._publish(self._options.command_topic, {"data": index}, deadline)
             state = self._arrival(index, state, deadline, timeout)
         return state.stamp
-
-    def _current(self, deadline: Deadline) -> Received | None:
-        """Return the next report, since the newest one may be from before a restart of the belt."""
-        newest = self._await(deadline, at_most=0.0)
-        return self._await(deadline, newest.number if newest else 0)
 
     def _arrival(self, index: int, state: Received, deadline: Deadline, timeout: float) -> Received:
         while state.message["data"] != index:

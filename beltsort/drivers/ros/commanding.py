@@ -1,0 +1,33 @@
+"""The interface by which an arm is commanded."""
+
+from typing import Any, Protocol
+
+from beltsort.drivers.deadline import Deadline
+from beltsort.drivers.ros.joints import Joints
+from beltsort.drivers.ros.link import Link, Topics
+
+Outgoing = tuple[str, dict[str, Any]]
+"""A topic and a message to publish on it."""
+
+
+class Commanding(Protocol):
+    """An interface by which an arm is commanded."""
+
+    topic: str
+    """The topic to which the arm subscribes."""
+    topics: Topics
+    """The topics or actions that it uses."""
+    repeats: bool
+    """Whether commands must be repeated during a motion."""
+
+    def begin(self, target: Joints) -> Outgoing:
+        """Return the message that starts a motion."""
+
+    def again(self) -> Outgoing | None:
+        """Return the message to repeat during a motion, if any."""
+
+    def halt(self, joints: Joints) -> Outgoing:
+        """Return the message that stops an arm whose joints are at `joints`."""
+
+    def ended(self, link: Link, deadline: Deadline) -> str | None:
+        """Return how the arm reports the end of the motion; None while it runs, or if it does not report."""

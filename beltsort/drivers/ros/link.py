@@ -1,0 +1,155 @@
+"""A link to a node in another process, with deadlines and restarts."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from threading import RLock
+from typing import Any, TypeAlias
+from uuid import uuid4
+
+from beltsort.cell.commands import CommandError, Outcome
+from beltsort.drivers.deadline import Deadline
+from beltsort.drivers.ros.process import Answer, NodeProcess
+
+START_TIMEOUT = 20.0
+"""Timeout of the start of a node, seconds; it takes one on an idle computer."""
+
+GRACE = 1.0
+"""Time by which the node may miss a deadline before it is considered to hang, seconds."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Topics:
+    """What a node publishes and subscribes to.
+
+    Attributes
+    ----------
+    publish, subscribe
+        Message type of each topic, as "std_msgs/Int32".
+    actions
+        Type of each action, as "control_msgs/FollowJointTrajectory", by its namespace; ROS 2 only.
+    joints
+        Joint states without all of these joints are ignored.
+    tf
+        Whether to subscribe to tf.
+    """
+
+    publish: Mapping[str, str] = field(default_factory=dict)
+    subscribe: Mapping[str, str] = field(default_factory=dict)
+    actions: Mapping[str, str] = field(default_factory=dict)
+    joints: Iterable[str] = ()
+    tf: bool = False
+
+    def setup(self, name: str) -> dict[str, Any]:
+        """Return the setup of a node of this name."""
+        topics = {
+            "publish": dict(self.publish),
+            "subscribe": dict(self.subscribe),
+            "actions": dict(self.actions),
+        }
+        return {"name": name, **topics, "joints": sorted(self.joints), "tf": self.tf}
+
+
+class Link(ABC):
+    """A node in another process, started when it is first needed, and again after it has ended.
+
+    Parameters
+    ----------
+    role
+        Part of the node's name.
+    topics
+        Its topics.
+    """
+
+    def __init__(self, role: str, topics: Topics) -> None:
+        self._role, self._topics = role, topics
+        self._lock = RLock()
+        self._process: NodeProcess | None = None
+
+    @property
+    @abstractmethod
+    def address(self) -> str:
+        """The ROS system."""
+
+    @abstractmethod
+    def identity(self, timeout: float) -> str:
+        """Return an identity of the ROS system that changes when it restarts; empty if it has none.
+
+        Raises
+        ------
+        CommandError
+            `NOT_DONE` if it does not answer.
+        """
+
+    @abstractmethod
+    def peer(self, topic: str, node: str, /) -> tuple[str, str]:
+        """Return the boot id of the node that publishes on a topic, and why it does not answer, if so.
+
+        Raises
+        ------
+        CommandError
+            `NOT_DONE` if the ROS system does not answer.
+        """
+
+    @abstractmethod
+    def _usable(self, process: NodeProcess, timeout: float) -> bool:
+        """Return whether the ROS system still knows a running node."""
+
+    @abstractmethod
+    def _start(self, setup: dict[str, Any], deadline: Deadline) -> NodeProcess:
+        """Start a node."""
+
+    def connect(self, timeout: float = START_TIMEOUT) -> None:
+        """Start the node unless it runs and is known to the ROS system.
+
+        Raises
+        ------
+        CommandError
+            `NOT_DONE` if the ROS system does not answer, the node does not start, or a package is missing.
+        """
+        with self._lock:
+            running = self._process
+            if running is None or not running.alive() or not self._usable(running, timeout):
+                self.close()
+                name = f"beltsort_{self._role}_{uuid4().hex[:8]}"
+                self._process = self._start(self._topics.setup(name), Deadline(timeout))
+
+    def ask(self, request: str, timeout: float, **arguments: Any) -> Answer:
+        """Send a request to the node, which must be connected, and return its answer.
+
+        Raises
+        ------
+        CommandError
+            `UNKNOWN` if it does not answer in time, or has ended.
+        CellError
+            If the request fails, with the node's message.
+        """
+        process = self._process
+        if process is None:
+            raise CommandError(
+                f"the ROS node {self._role!r} is not connected; call connect()", Outcome.NOT_DONE
+            )
+        return process.ask(request, timeout, **arguments)
+
+    def newest(
+        self, topic: str, deadline: Deadline, *, after: int = 0, wait: float = 0.0, not_before: float = 0.0
+    ) -> Answer:
+        """Return the newest message of `topic` with a number above `after`.
+
+        "message" is None if there is none within `wait` seconds, or by the deadline. The bytes of a message
+        with a stamp earlier than `not_before` are omitted.
+        """
+        left = deadline.left()
+        asked = {"topic": topic, "after": after, "wait": min(wait, left), "not_before": not_before}
+        return self.ask("newest", left + GRACE, **asked)
+
+    def close(self) -> None:
+        """End the node."""
+        with self._lock:
+            if self._process is not None:
+                self._process.end()
+                self._process = None
+
+
+MakeLink: TypeAlias = Callable[[str, Topics], Link]
+"""Function of a role and topics that returns a link."""
