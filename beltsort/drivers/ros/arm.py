@@ -5,11 +5,11 @@ from threading import Lock
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.drivers.deadline import Deadline
-from beltsort.drivers.ros.commanding import Commanding, Outgoing
+from beltsort.drivers.ros.commanding import Commanding
 from beltsort.drivers.ros.device import HEALTH_TIMEOUT, Received, RosDevice, emergency_stop
 from beltsort.drivers.ros.joints import distance, joints_of, joints_text
 from beltsort.drivers.ros.ledger import Ledger
-from beltsort.drivers.ros.link import MakeLink
+from beltsort.drivers.ros.link import MakeLink, Outgoing
 from beltsort.drivers.ros.options import ArmOptions
 from beltsort.drivers.ros.standstill import Motion, Standstill
 from beltsort.errors import CellError
@@ -58,7 +58,7 @@ class RosArm(RosDevice):
         self.connect()
         deadline = Deadline(HEALTH_TIMEOUT)
         received = self._await(deadline)
-        self._publish(*self._commanding.halt(self._joint_positions(received)), deadline)
+        self._send(self._commanding.halt(self._joint_positions(received)), deadline)
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command, from the arm's position if its end was not observed."""
@@ -126,7 +126,7 @@ class RosArm(RosDevice):
         self._check_emergency_stop(deadline, Outcome.NOT_DONE)
         begin = self._commanding.begin(self._options.taught[name])
         while not self._command(begin, name, deadline, Outcome.NOT_DONE):
-            self._wait_for_subscriber(self._commanding.topic, deadline)
+            self._wait_for_subscriber(begin.to, deadline)
         return self._arrival(name, deadline, timeout)
 
     def _arrival(self, name: str, deadline: Deadline, timeout: float) -> float:
@@ -176,7 +176,7 @@ class RosArm(RosDevice):
                     "move",
                     outcome,
                 )
-            return outgoing is None or self._publish_once(*outgoing, deadline)
+            return outgoing is None or self._send_once(outgoing, deadline)
 
     def _elsewhere(self, name: str, received: Received, ended: str | None) -> str:
         target, joints = self._options.taught[name], self._joint_positions(received)

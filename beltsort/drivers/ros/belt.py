@@ -5,7 +5,7 @@ from beltsort.cell.protocols import NOWHERE
 from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.device import HEALTH_TIMEOUT, Received, RosDevice, emergency_stop
 from beltsort.drivers.ros.ledger import Ledger
-from beltsort.drivers.ros.link import MakeLink, Topics
+from beltsort.drivers.ros.link import MakeLink, Topics, publication
 from beltsort.drivers.ros.options import BeltOptions
 from beltsort.errors import CellError
 
@@ -52,7 +52,7 @@ class RosBelt(RosDevice):
     def stop(self) -> None:
         """Command the belt to stop."""
         self.connect()
-        self._publish(self._options.stop_topic, {}, Deadline(HEALTH_TIMEOUT))
+        self._send(publication(self._options.stop_topic, {}), Deadline(HEALTH_TIMEOUT))
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command, from the object at the belt end if its end was not observed."""
@@ -97,7 +97,7 @@ class RosBelt(RosDevice):
                 Outcome.NOT_DONE,
             )
         if at < index:
-            self._publish(self._options.command_topic, {"data": index}, deadline)
+            self._send(publication(self._options.command_topic, {"data": index}), deadline)
             state = self._arrival(index, state, deadline, timeout)
         return state.stamp
 

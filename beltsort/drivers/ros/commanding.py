@@ -1,20 +1,17 @@
 """The interface by which an arm is commanded."""
 
-from typing import Any, Protocol
+from typing import Protocol
 
 from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.joints import Joints
-from beltsort.drivers.ros.link import Link, Topics
-
-Outgoing = tuple[str, dict[str, Any]]
-"""A topic and a message to publish on it."""
+from beltsort.drivers.ros.link import Link, Outgoing, Topics
 
 
 class Commanding(Protocol):
     """An interface by which an arm is commanded."""
 
     topic: str
-    """The topic to which the arm subscribes."""
+    """The topic or action of the commands."""
     topics: Topics
     """The topics or actions that it uses."""
     repeats: bool

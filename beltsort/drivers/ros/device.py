@@ -8,7 +8,7 @@ from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import Health
 from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.frames import Frames
-from beltsort.drivers.ros.link import GRACE, Link
+from beltsort.drivers.ros.link import GRACE, Link, Outgoing
 from beltsort.drivers.ros.options import ActuatorOptions
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
@@ -162,16 +162,16 @@ class RosDevice:
                 frames.add(*transform)
         return frames.pose(world, frame, stamp)
 
-    def _publish(self, topic: str, message: dict[str, Any], deadline: Deadline) -> None:
-        """Publish a message, waiting for a subscriber.
+    def _send(self, outgoing: Outgoing, deadline: Deadline) -> None:
+        """Send a message, waiting for a subscriber.
 
         Raises
         ------
         CommandError
             `NOT_DONE` if there is no subscriber by the deadline.
         """
-        while not self._publish_once(topic, message, deadline):
-            self._wait_for_subscriber(topic, deadline)
+        while not self._send_once(outgoing, deadline):
+            self._wait_for_subscriber(outgoing.to, deadline)
 
     def _wait_for_subscriber(self, topic: str, deadline: Deadline) -> None:
         """Sleep until the next poll for a subscriber; raise a `CommandError` at the deadline."""
@@ -182,9 +182,9 @@ class RosDevice:
             )
         time.sleep(min(SUBSCRIBER_INTERVAL, deadline.left()))
 
-    def _publish_once(self, topic: str, message: dict[str, Any], deadline: Deadline) -> bool:
-        """Publish a message if the topic has a subscriber; return whether it has."""
-        answer = self._link.ask("publish", deadline.left() + GRACE, topic=topic, message=message)
+    def _send_once(self, outgoing: Outgoing, deadline: Deadline) -> bool:
+        """Send a message if it has a subscriber; return whether it has."""
+        answer = self._link.ask(outgoing.request, deadline.left() + GRACE, **outgoing.arguments)
         return bool(answer.values["listeners"])
 
 

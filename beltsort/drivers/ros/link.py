@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from threading import RLock
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 from uuid import uuid4
 
 from beltsort.cell.commands import CommandError, Outcome
@@ -16,6 +16,19 @@ START_TIMEOUT = 20.0
 
 GRACE = 1.0
 """Time by which the node may miss a deadline before it is considered to hang, seconds."""
+
+
+class Outgoing(NamedTuple):
+    """A request to the node that sends something: the topic or action it goes to, its name and arguments."""
+
+    to: str
+    request: str
+    arguments: Mapping[str, object]
+
+
+def publication(topic: str, message: Mapping[str, object]) -> Outgoing:
+    """Return the request to publish a message."""
+    return Outgoing(topic, "publish", {"topic": topic, "message": message})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,7 @@ from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.device import HEALTH_TIMEOUT, Received, RosDevice, emergency_stop
 from beltsort.drivers.ros.keys import KeyStatus, Report
 from beltsort.drivers.ros.ledger import Ledger
-from beltsort.drivers.ros.link import MakeLink, Topics
+from beltsort.drivers.ros.link import MakeLink, Topics, publication
 from beltsort.drivers.ros.options import SorterOptions
 from beltsort.errors import CellError
 
@@ -43,7 +43,7 @@ class RosSorter(RosDevice):
     def stop(self) -> None:
         """Command the sorter to stop."""
         self.connect()
-        self._publish(self._options.stop_topic, {}, Deadline(HEALTH_TIMEOUT))
+        self._send(publication(self._options.stop_topic, {}), Deadline(HEALTH_TIMEOUT))
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command, from the sorter's status if its end was not observed."""
@@ -78,14 +78,14 @@ class RosSorter(RosDevice):
     def _sort(self, label: int, command_id: str, timeout: float, unresolved: bool) -> float:
         deadline = Deadline(timeout)
         try:
-            key = self._send(label, command_id, deadline, unresolved)
+            key = self._begin(label, command_id, deadline, unresolved)
         except CommandError as failure:
             if unresolved:  # an earlier attempt may have been executed
                 failure.outcome = Outcome.UNKNOWN
             raise
         return self._end(key, deadline, timeout)
 
-    def _send(self, label: int, command_id: str, deadline: Deadline, unresolved: bool) -> str:
+    def _begin(self, label: int, command_id: str, deadline: Deadline, unresolved: bool) -> str:
         """Send a command if the sorter is ready; return its key."""
         self._link.connect(deadline.left())
         health = self.health()
@@ -101,7 +101,8 @@ class RosSorter(RosDevice):
                 Outcome.UNKNOWN,
             )
         key = _key(command_id, self._statuses(self._await(deadline)))
-        self._publish(self._options.command_topic, {"key": key, "value": str(label)}, deadline)
+        message = {"key": key, "value": str(label)}
+        self._send(publication(self._options.command_topic, message), deadline)
         return key
 
     def _end(self, key: str, deadline: Deadline, timeout: float) -> float:

@@ -3,9 +3,9 @@
 from uuid import uuid4
 
 from beltsort.drivers.deadline import Deadline
-from beltsort.drivers.ros.commanding import Commanding, Outgoing
+from beltsort.drivers.ros.commanding import Commanding
 from beltsort.drivers.ros.joints import Joints
-from beltsort.drivers.ros.link import Link, Topics
+from beltsort.drivers.ros.link import Link, Outgoing, Topics, publication
 from beltsort.drivers.ros1.options import Ros1ArmOptions
 from beltsort.drivers.ros1.status import RUNNING, SUCCEEDED
 
@@ -40,7 +40,7 @@ class JointCommands:
     def halt(self, joints: Joints) -> Outgoing:
         """Return the command to be at `joints`."""
         positions = [float(position) for position in joints.values()]
-        return self.topic, {"mode": POSITION_MODE, "names": list(joints), "command": positions}
+        return publication(self.topic, {"mode": POSITION_MODE, "names": list(joints), "command": positions})
 
     def ended(self, link: Link, deadline: Deadline) -> None:
         """Return None: the end shows only in the joint states."""
@@ -79,14 +79,14 @@ class TrajectoryAction:
             "time_from_start": {"secs": whole, "nsecs": int((self._seconds - whole) * 1e9)},
         }
         trajectory = {"joint_names": list(target), "points": [point]}
-        return self.topic, {"goal_id": {"id": self._goal}, "goal": {"trajectory": trajectory}}
+        return publication(self.topic, {"goal_id": {"id": self._goal}, "goal": {"trajectory": trajectory}})
 
     def again(self) -> None:
         """Return None: a goal is sent once."""
 
     def halt(self, _joints: Joints) -> Outgoing:
         """Return the request to cancel every goal."""
-        return f"{self._action}/cancel", {"id": ""}
+        return publication(f"{self._action}/cancel", {"id": ""})
 
     def ended(self, link: Link, deadline: Deadline) -> str | None:
         """Return the goal's status when it has ended."""

@@ -1,19 +1,5 @@
-"""A cell on ROS 1: `python -m tests.drivers.ros1.peer`, told what to do by lines of JSON.
+"""A cell on ROS 1: `python -m tests.drivers.ros1.peer`, told what to do as `tests.drivers.ros.machine`."""
 
-{"cloud": "good" | "stale" | "ahead" | "empty" | "nan" | "truncated" | "silent" | "frame"},
-{"offset": radians}, {"speed": radians a second}, {"verdict": GoalStatus},
-{"travel": seconds of the belt}, {"emergency": whether the emergency stop is pressed},
-{"sort": seconds of the sorter}, {"full": whether its bins are},
-{"stuck": whether the belt does not move}, {"overshoot": whether it goes one object too far},
-{"mute": whether it acts on the next command, but reports nothing from then on}
-
-Each line is answered by one that tells the state of the world, and how many times it has published.
-"""
-
-import json
-import sys
-import threading
-import time
 from importlib import import_module
 from typing import Any
 
@@ -21,39 +7,23 @@ import numpy as np
 
 from beltsort.drivers.ros.clouds import packed
 from beltsort.drivers.ros1.messages import message_class
-from tests.drivers.ros1.press import Press
-from tests.drivers.ros1.scene import (
-    ACTION,
-    BELT,
-    CLOUDS,
-    COMMAND,
-    EMERGENCY,
-    HOME,
-    JOINTS,
-    POINTS,
-    SORTER,
-    Settings,
-)
+from beltsort.drivers.ros1.status import RUNNING, SUCCEEDED
+from tests.drivers.ros import machine
+from tests.drivers.ros1.scene import ACTION, BELT, CLOUDS, COMMAND, EMERGENCY, JOINTS, POINTS, SORTER
 
 rospy: Any = import_module("rospy")
-BEAT = 0.02
+NUMBERS = {machine.ACTIVE: RUNNING[1], machine.SUCCEEDED: SUCCEEDED, machine.ABORTED: 4, machine.REJECTED: 5}
 
 
-class Peer:
+class Peer(machine.Machine):
     def __init__(self) -> None:
-        self.settings = Settings()
-        self.joints = dict(HOME)
-        self.target = dict(HOME)
+        super().__init__()
         self.goal: str | None = None
         self.verdict = 1
-        self.object, self.arrives = 0, 0.0
-        self.press = Press(self.settings)
-        self.told = False
-        self.beats = 0
         advertise = rospy.Publisher
         self.clouds = advertise(CLOUDS, message_class("sensor_msgs/PointCloud2"), queue_size=1)
         self.states = advertise(JOINTS, message_class("sensor_msgs/JointState"), queue_size=10)
-        self.belt = advertise(f"{BELT}/object", message_class("std_msgs/Int32"), queue_size=10)
+        self.reports = advertise(f"{BELT}/object", message_class("std_msgs/Int32"), queue_size=10)
         self.tf = advertise("/tf", message_class("tf2_msgs/TFMessage"), queue_size=10)
         self.emergency = advertise(EMERGENCY, message_class("std_msgs/Bool"), queue_size=1)
         goal_states = message_class("actionlib_msgs/GoalStatusArray")
@@ -64,13 +34,16 @@ class Peer:
         goal = message_class("control_msgs/FollowJointTrajectoryActionGoal")
         hear(f"{ACTION}/goal", goal, self.given_goal)
         hear(f"{ACTION}/cancel", message_class("actionlib_msgs/GoalID"), lambda _message: self.halt())
-        hear(f"{BELT}/target", message_class("std_msgs/Int32"), self.advanced)
+        hear(f"{BELT}/target", message_class("std_msgs/Int32"), lambda message: self.advance(message.data))
         hear(f"{BELT}/stop", message_class("std_msgs/Empty"), lambda _message: self.halt())
-        hear(f"{SORTER}/command", message_class("diagnostic_msgs/KeyValue"), self.sort)
+        hear(f"{SORTER}/command", message_class("diagnostic_msgs/KeyValue"), self.key)
         hear(f"{SORTER}/stop", message_class("std_msgs/Empty"), lambda _message: self.press.halt())
 
     def commanded(self, message: Any) -> None:
         self.go(message.names, message.command)
+
+    def key(self, message: Any) -> None:
+        self.sort(message.key, int(message.value))
 
     def given_goal(self, message: Any) -> None:
         self.goal, self.verdict = message.goal_id.id, 1
@@ -78,36 +51,13 @@ class Peer:
             trajectory = message.goal.trajectory
             self.go(trajectory.joint_names, trajectory.points[-1].positions)
 
-    def go(self, names: list[str], positions: list[float]) -> None:
-        self.told = True
-        self.target = {name: at + self.settings.offset for name, at in zip(names, positions, strict=True)}
-
-    def halt(self) -> None:
-        self.target, self.arrives = dict(self.joints), float("inf")
-
-    def sort(self, message: Any) -> None:
-        self.told = True
-        self.press.told(message)
-
-    def advanced(self, message: Any) -> None:
-        self.told = True
-        if not self.settings.stuck:
-            self.object = message.data + self.settings.overshoot
-            self.arrives = time.monotonic() + self.settings.travel
-
-    def beat(self, n: int) -> None:
-        self.beats += 1
-        step = self.settings.speed * BEAT
-        for name, at in self.target.items():
-            self.joints[name] += float(np.clip(at - self.joints[name], -step, step))
-        arrived = self.joints == self.target
-        if arrived and self.goal is not None:
+    def publish(self, n: int) -> None:
+        reporting = self.beat()
+        if self.arrived and self.goal is not None:
             self.verdict = self.settings.verdict
-        self.press.beat()
         self.tf.publish(self.transforms())
         self.emergency.publish(self.settings.emergency)
-        self.told &= self.settings.mute
-        if not self.told:
+        if reporting:
             self.report(n)
         if n % 5 == 0 and self.settings.cloud != "silent":
             self.clouds.publish(self.cloud())
@@ -115,24 +65,12 @@ class Peer:
     def report(self, n: int) -> None:
         self.states.publish(self.joint_state(self.joints))
         self.states.publish(self.joint_state({"gripper": 0.0}))
-        self.belt.publish(self.object if time.monotonic() >= self.arrives else -1)
-        self.sorted.publish(self.press.report())
+        self.reports.publish(self.belt)
+        keys = [(key, NUMBERS[state], text) for key, state, text in self.press.report()]
+        self.sorted.publish(self.goal_states(keys))
         if n % 5 == 0:
-            self.status.publish(self.goal_states())
-
-    def world(self) -> dict[str, Any]:
-        """What an onlooker sees."""
-        travelling = time.monotonic() < self.arrives
-        moving = self.joints != self.target
-        busy = {"arm": moving, "belt": travelling, "sorter": self.press.busy}
-        return {
-            "joints": self.joints,
-            "object": self.object,
-            "bins": self.press.bins,
-            "busy": busy,
-            "halted": self.arrives == float("inf"),
-            "beats": self.beats,
-        }
+            goals = [] if self.goal is None else [(self.goal, self.verdict, "says the peer")]
+            self.status.publish(self.goal_states(goals))
 
     def joint_state(self, joints: dict[str, float]) -> Any:
         message = message_class("sensor_msgs/JointState")()
@@ -150,12 +88,12 @@ class Peer:
         message.transforms = [transform]
         return message
 
-    def goal_states(self) -> Any:
+    def goal_states(self, goals: list[tuple[str, int, str]]) -> Any:
         message = message_class("actionlib_msgs/GoalStatusArray")()
-        if self.goal is not None:
+        for goal, number, text in goals:
             status = message_class("actionlib_msgs/GoalStatus")()
-            status.goal_id.id, status.status, status.text = self.goal, self.verdict, "says the peer"
-            message.status_list = [status]
+            status.goal_id.id, status.status, status.text = goal, number, text
+            message.status_list.append(status)
         return message
 
     def cloud(self) -> Any:
@@ -177,21 +115,7 @@ class Peer:
 def main() -> None:
     rospy.init_node("peer", disable_signals=True, disable_rosout=True)
     peer = Peer()
-
-    def listen() -> None:
-        for line in sys.stdin:
-            for name, value in json.loads(line).items():
-                setattr(peer.settings, name, value)
-            print(json.dumps(peer.world()), flush=True)
-
-    threading.Thread(target=listen, daemon=True).start()
-    n = 0
-    while not rospy.is_shutdown():
-        peer.beat(n)
-        if n == 0:
-            print("ready", flush=True)
-        n += 1
-        time.sleep(BEAT)
+    machine.run(peer, peer.publish)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import pytest
 
 from beltsort.cell import CommandError, within
 from beltsort.drivers.ros1.master import Master
-from tests.drivers.ros1 import scene
+from tests.drivers.ros.machine import Settings
 from tests.ports import HeldPort
 from tests.waiting import PATIENCE, wait_until
 
@@ -89,7 +89,7 @@ class Rig:
             if process.poll() is not None:
                 start()
         self.thaw()
-        self.tell(**asdict(scene.Settings()))
+        self.tell(**asdict(Settings()))
 
     def kill(self, process: subprocess.Popen[str]) -> None:
         process.kill()

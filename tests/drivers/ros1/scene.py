@@ -1,7 +1,5 @@
 """What peer and tests agree on."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from beltsort.drivers.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions, Ros1SorterOptions
@@ -9,27 +7,11 @@ from beltsort.drivers.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOpt
 CLOUDS, JOINTS, COMMAND = "/camera/points", "/robot/joint_states", "/robot/limb/right/joint_command"
 ACTION, BELT, SORTER, EMERGENCY = "/arm/follow_joint_trajectory", "/belt", "/sorter", "/emergency_stop"
 
-HOME = {"shoulder": 0.0, "elbow": 0.0}
 TAUGHT = {"p1": {"shoulder": 0.3, "elbow": -0.2}, "p2": {"shoulder": -0.3, "elbow": 0.4}}
 POSES = {"p1": np.diag([1.0, -1.0, -1.0, 1.0]).tolist(), "p2": np.diag([-1.0, 1.0, -1.0, 1.0]).tolist()}
 
 POINTS = np.random.default_rng(8).uniform(-1.0, 1.0, (6, 8, 3)).astype(np.float32).astype(np.float64)
 POINTS[2, 3] = np.nan
-
-
-@dataclass
-class Settings:
-    cloud: str = "good"
-    offset: float = 0.0
-    speed: float = 5.0
-    verdict: int = 3
-    travel: float = 0.15
-    emergency: bool = False
-    sort: float = 0.1
-    full: bool = False
-    stuck: bool = False
-    overshoot: bool = False
-    mute: bool = False
 
 
 def camera_by_tf(master: str) -> Ros1CameraOptions:

@@ -1,0 +1,24 @@
+"""Drivers for ROS 2: a camera, an arm commanded by joint positions, a belt and a sorter.
+
+Needs rclpy and messages of any ROS 2 distribution, which run in a process of their own, started when a
+device is first used. `docs/ros.md` describes the interface.
+"""
+
+from beltsort.drivers.ros2.devices import Ros2Arm, Ros2Belt, Ros2Camera, Ros2Sorter
+from beltsort.drivers.ros2.options import (
+    Ros2ArmOptions,
+    Ros2BeltOptions,
+    Ros2CameraOptions,
+    Ros2SorterOptions,
+)
+
+__all__ = [
+    "Ros2Arm",
+    "Ros2ArmOptions",
+    "Ros2Belt",
+    "Ros2BeltOptions",
+    "Ros2Camera",
+    "Ros2CameraOptions",
+    "Ros2Sorter",
+    "Ros2SorterOptions",
+]

@@ -1,0 +1,191 @@
+"""The ROS 2 node, run by `start.py` with a Python that has rclpy and the packages of the messages.
+
+It ends when its socket is closed.
+"""
+
+import os
+import sys
+import threading
+from collections.abc import Iterable
+from importlib import import_module
+from multiprocessing.connection import Connection
+from typing import Any
+
+from beltsort.drivers.ros.serving import (
+    JOINT_STATE,
+    QUEUE,
+    SCANS,
+    Mailbox,
+    Reply,
+    Transforms,
+    answered,
+    serve,
+)
+from beltsort.drivers.ros2.actions import Action
+from beltsort.drivers.ros2.messages import filled, interface_class
+
+LEAVE_TIMEOUT = 1.0
+"""Timeout of telling other nodes that this one leaves, seconds."""
+
+TF = "tf2_msgs/TFMessage"
+LATCHED = ("std_msgs/Bool", "sensor_msgs/CameraInfo")
+"""Types that some publish once and keep for those that come later, and others repeat."""
+KEPT = ("action_msgs/msg/GoalStatusArray",)
+"""Types that are always kept for those that come later."""
+
+
+class Node:
+    """The requests to the node: each public method handles one."""
+
+    def __init__(self, rclpy: Any, setup: dict[str, Any]) -> None:
+        self._node = rclpy.create_node(setup["name"], enable_rosout=False, start_parameter_services=False)
+        executor = import_module("rclpy.executors").SingleThreadedExecutor()
+        executor.add_node(self._node)
+        self._transforms, self._discovered = Transforms(), Discovered()
+        self._publishers = {
+            topic: self._node.create_publisher(interface_class(kind), topic, 10)
+            for topic, kind in setup["publish"].items()
+        }
+        joints = setup["joints"]
+        self._mailboxes: dict[str, Mailbox] = {}
+        for topic, kind in setup["subscribe"].items():
+            self._mailboxes[topic] = Mailbox(self._clock, joints if kind == JOINT_STATE else ())
+            self._subscribe(topic, kind, self._mailboxes[topic])
+        self._actions: dict[str, Action] = {}
+        for name, kind in setup["actions"].items():
+            self._mailboxes[f"{name}/result"] = Mailbox(self._clock)
+            self._actions[name] = Action(self._node, executor, name, kind, self._mailboxes[f"{name}/result"])
+        if setup["tf"]:
+            self._listen("/tf", TF, profile(QUEUE), lambda m, _: self._transforms.add(m, static=False))
+            kept = profile(QUEUE, durable=True)
+            self._listen("/tf_static", TF, kept, lambda m, _: self._transforms.add(m, static=True))
+        threading.Thread(target=executor.spin, daemon=True).start()
+
+    def newest(self, topic: str, after: int, wait: float, not_before: float) -> Reply:
+        """Return the newest message with a number above `after`, and its bytes if it is not stale."""
+        arrived = self._mailboxes[topic].newest(after, wait)
+        if arrived.message is not None and not arrived.sender:
+            arrived = arrived._replace(sender=self._discovered.last(topic, self._gids(topic)))
+        return answered(arrived, not_before)
+
+    def publish(self, topic: str, message: dict[str, Any]) -> Reply:
+        """Publish a message if there are subscribers; return their number."""
+        publisher = self._publishers[topic]
+        listeners = publisher.get_subscription_count()
+        if listeners:
+            publisher.publish(filled(publisher.msg_type(), message))
+        return {"listeners": listeners}, b""
+
+    def send_goal(self, action: str, goal_id: str, goal: dict[str, Any]) -> Reply:
+        """Send a goal if the action has a server; return whether it has."""
+        return {"listeners": int(self._actions[action].send(goal_id, goal))}, b""
+
+    def cancel_goals(self, action: str) -> Reply:
+        """Request that all goals of an action are cancelled, if it has a server; return whether it has."""
+        return {"listeners": int(self._actions[action].cancel())}, b""
+
+    def publishers(self, topic: str) -> Reply:
+        """Return the names of the nodes that are known to publish on a topic."""
+        found = self._node.get_publishers_info_by_topic(topic)
+        return {"names": sorted({f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in found})}, b""
+
+    def transforms(self, stamp: float) -> Reply:
+        """Return the transforms of tf nearest to a time."""
+        return {"transforms": self._transforms.nearest(stamp)}, b""
+
+    def leave(self) -> None:
+        """Tell the other nodes that this one leaves."""
+        self._node.destroy_node()
+
+    def _clock(self) -> float:
+        return float(self._node.get_clock().now().nanoseconds * 1e-9)
+
+    def _gids(self, topic: str) -> list[str]:
+        found = self._node.get_publishers_info_by_topic(topic)
+        return [bytes(endpoint.endpoint_gid).hex() for endpoint in found]
+
+    def _subscribe(self, topic: str, kind: str, mailbox: Mailbox) -> None:
+        """Subscribe to a topic, whatever the publisher's reliability and durability."""
+
+        def receive(message: Any, info: Any) -> None:
+            mailbox.put(message, gid_of(info))
+
+        if kind not in KEPT:
+            self._listen(topic, kind, profile(1 if kind in SCANS else QUEUE), receive)
+        if kind in KEPT + LATCHED:
+            self._listen(topic, kind, profile(QUEUE, durable=True), receive)
+
+    def _listen(self, topic: str, kind: str, quality: Any, receive: Any) -> None:
+        """Subscribe; rclpy chooses by the number of parameters whether a callback is given the sender."""
+        informed = hasattr(import_module("rclpy.subscription"), "MessageInfo")  # not yet in Humble
+        callback = receive if informed else lambda message: receive(message, {})
+        self._node.create_subscription(interface_class(kind), topic, callback, quality)
+
+
+class Discovered:
+    """The publishers of topics in the order of their discovery.
+
+    The rclpy of Jazzy and before does not report a message's sender. A publisher that was killed is known for
+    another 20 s, so the one that was discovered last is taken for it.
+
+    Examples
+    --------
+    >>> discovered = Discovered()
+    >>> [discovered.last("/belt/object", known) for known in (["a"], ["b", "a"], ["a", "b"], ["b"], [])]
+    ['a', 'b', 'b', 'b', '']
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[str, list[str]] = {}
+
+    def last(self, topic: str, gids: Iterable[str]) -> str:
+        """Return the publisher that was discovered last of those that are known now."""
+        now = sorted(gids)
+        before = [gid for gid in self._known.get(topic, []) if gid in now]
+        self._known[topic] = [*before, *(gid for gid in now if gid not in before)]
+        return self._known[topic][-1] if now else ""
+
+
+def gid_of(info: Any) -> str:
+    """Return the identity of a message's publisher; empty if rclpy does not report it."""
+    gid = info.get("publisher_gid")
+    return bytes(gid["data"]).hex() if gid else ""
+
+
+def profile(depth: int, *, durable: bool = False) -> Any:
+    """Return the quality of service of a subscription.
+
+    Best effort fits publishers that are best effort or reliable; durable ones are reliable, and keep
+    messages for those that come later.
+    """
+    qos = import_module("rclpy.qos")
+    if durable:
+        reliability, durability = qos.ReliabilityPolicy.RELIABLE, qos.DurabilityPolicy.TRANSIENT_LOCAL
+    else:
+        reliability, durability = qos.ReliabilityPolicy.BEST_EFFORT, qos.DurabilityPolicy.VOLATILE
+    return qos.QoSProfile(depth=depth, reliability=reliability, durability=durability)
+
+
+def start(setup: dict[str, Any]) -> tuple[Node, dict[str, Any]]:
+    """Start a node."""
+    rclpy = import_module("rclpy")
+    rclpy.init(args=[])
+    node = Node(rclpy, setup)
+    RUNNING.append(node)
+    return node, {}
+
+
+RUNNING: list[Node] = []
+"""The node, once it runs."""
+
+
+def main() -> None:
+    """Serve, then leave within a timeout."""
+    try:
+        serve(Connection(int(sys.argv[1])), start)
+    except (EOFError, OSError):
+        for node in RUNNING:
+            leaving = threading.Thread(target=node.leave, daemon=True)
+            leaving.start()
+            leaving.join(LEAVE_TIMEOUT)
+    os._exit(0)  # rclpy's threads may block without a timeout
