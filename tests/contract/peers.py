@@ -23,7 +23,7 @@ from beltsort.drivers.opcua import OpcuaOptions
 from beltsort.drivers.opcua import make as make_opcua
 from tests.contract.in_process import DryRunPeer, InProcessPeer, ReplayPeer, SimulatedPeer
 from tests.contract.peer import PATIENCE, Peer, ProcessPeer
-from tests.contract.ros1_peer import Ros1Peer
+from tests.contract.ros_peer import Ros1Peer, Ros2Peer
 from tests.ports import HeldPort
 
 SPEED = 20
@@ -232,7 +232,7 @@ class ModbusPeer(ServerPeer):
 SERVERS: Sequence[type[ServerPeer]] = (OpcuaPeer, ModbusPeer, ModbusTlsPeer)
 SECURE: Sequence[type[ServerPeer]] = tuple(peer for peer in SERVERS if peer.secure)
 IN_PROCESS: Sequence[type[InProcessPeer]] = (SimulatedPeer, DryRunPeer, ReplayPeer)
-PROCESSES: Sequence[type[ProcessPeer]] = (*SERVERS, Ros1Peer)
+PROCESSES: Sequence[type[ProcessPeer]] = (*SERVERS, Ros1Peer, Ros2Peer)
 EVERY: Sequence[type[Peer]] = (*IN_PROCESS, *PROCESSES)
 REFUSING: Sequence[type[Peer]] = tuple(kind for kind in EVERY if kind is not DryRunPeer)
 """All but those that take any command."""

@@ -8,7 +8,7 @@ from tests.contract.bench import Bench, benches, error_of, new_id
 from tests.contract.in_process import InProcessPeer
 from tests.contract.peer import Peer, ProcessPeer
 from tests.contract.peers import EVERY, IN_PROCESS, POSED, PROCESSES, REFUSING, ServerPeer
-from tests.contract.ros1_peer import Ros1Peer
+from tests.contract.ros_peer import Ros1Peer, Ros2Peer, RosPeer
 
 pytestmark = pytest.mark.process
 
@@ -123,7 +123,7 @@ def test_a_killed_peer_leaves_the_command_unsettled(bench: Bench[ProcessPeer]) -
     assert bench.outcome_of(command_id) is not Outcome.DONE
     assert bench.outcome_of(earlier) is not Outcome.NOT_DONE
     assert bench.device.health().boot_id != boot_id
-    if bench.role == "sorter" or not isinstance(bench.peer, Ros1Peer):
+    if bench.role == "sorter" or not isinstance(bench.peer, RosPeer):
         world = bench.world
         with pytest.raises(CommandError, match=r"\bbefore\b.*\brestarted\b") as error:
             bench.act(target, command_id)
@@ -202,8 +202,8 @@ def test_a_belt_that_goes_too_far_says_where_it_is(bench: Bench[ProcessPeer]) ->
     bench.check(target + 2)
 
 
-@benches([Ros1Peer], "arm", "arm by action")
-def test_an_arm_that_stops_elsewhere_says_so(bench: Bench[Ros1Peer]) -> None:
+@benches([Ros1Peer, Ros2Peer], "arm", "arm by action")
+def test_an_arm_that_stops_elsewhere_says_so(bench: Bench[RosPeer]) -> None:
     command_id, target = new_id(), bench.peer.fresh(bench.role)
     bench.suffers()
     bench.peer.stray()

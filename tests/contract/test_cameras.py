@@ -14,7 +14,7 @@ from tests.contract.conftest import Pool
 from tests.contract.in_process import SPOILING, ReplayPeer
 from tests.contract.peer import Peer, SeeingPeer
 from tests.contract.peers import EVERY, PROCESSES
-from tests.contract.ros1_peer import Ros1Peer
+from tests.contract.ros_peer import RosPeer
 
 pytestmark = pytest.mark.process
 
@@ -57,7 +57,7 @@ def test_a_scan_that_cannot_be_used_is_not_taken(
 
 @cameras(PROCESSES)
 def test_a_camera_that_is_killed_or_hangs_gives_no_scan(
-    kind: type[Ros1Peer], pool: Pool, account: Account
+    kind: type[RosPeer], pool: Pool, account: Account
 ) -> None:
     peer = pool.ready(kind)
     camera = peer.ready("camera")

@@ -56,7 +56,7 @@ class RosArm(RosDevice):
         with self._publishing:
             self._stopped = True
         self.connect()
-        deadline = Deadline(HEALTH_TIMEOUT)
+        deadline = self._soon(HEALTH_TIMEOUT)
         received = self._await(deadline)
         self._send(self._commanding.halt(self._joint_positions(received)), deadline)
 
@@ -191,7 +191,7 @@ class RosArm(RosDevice):
         """Return the outcome of a move whose end was not observed, from the arm's position."""
         name = self._options.viewpoints[viewpoint]
         watch, number = self._watch(name), 0
-        deadline = Deadline(self._options.stalled + HEALTH_TIMEOUT)
+        deadline = self._soon(self._options.stalled + HEALTH_TIMEOUT)
         while (received := self._await(deadline, number)) is not None:
             number = received.number
             motion = watch.see(received.stamp, self._joint_positions(received))

@@ -41,10 +41,10 @@ class RosBelt(RosDevice):
             If the belt reports nothing.
         """
         self.connect()
-        state = self._current(Deadline(HEALTH_TIMEOUT))
+        state = self._current(self._soon(HEALTH_TIMEOUT))
         if state is None:
             raise CommandError(
-                f"the belt reports nothing on {self._topic} within {HEALTH_TIMEOUT:g} s; start it",
+                f"the belt reports nothing on {self._topic}; start it",
                 Outcome.NOT_DONE,
             )
         return max(NOWHERE, int(state.message["data"]))
@@ -52,7 +52,7 @@ class RosBelt(RosDevice):
     def stop(self) -> None:
         """Command the belt to stop."""
         self.connect()
-        self._send(publication(self._options.stop_topic, {}), Deadline(HEALTH_TIMEOUT))
+        self._send(publication(self._options.stop_topic, {}), self._soon(HEALTH_TIMEOUT))
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command, from the object at the belt end if its end was not observed."""
@@ -63,7 +63,7 @@ class RosBelt(RosDevice):
             return command.outcome
         try:
             self.connect()
-            state = self._current(Deadline(HEALTH_TIMEOUT))
+            state = self._current(self._soon(HEALTH_TIMEOUT))
         except CellError:
             return Outcome.UNKNOWN
         arrived = state is not None and state.message["data"] == command.target

@@ -17,11 +17,11 @@ WAIT_SLICE = 0.25
 """Longest wait of one request to the node, seconds; at a deadline the error describes what arrived "
 "instead."""
 
-SUBSCRIBER_INTERVAL = 0.05
-"""Interval at which the number of subscribers is polled, seconds."""
-
 FIRST_MESSAGE = 2.0
 """Timeout of the first message from the device in `health`, seconds."""
+
+SUBSCRIBER_INTERVAL = 0.05
+"""Interval at which the number of subscribers is polled, seconds."""
 
 HEALTH_TIMEOUT = 1.0
 """Timeout of the ROS system's reply in `health`, seconds."""
@@ -101,14 +101,14 @@ class RosDevice:
         self.connect()
         system = self._link.identity(HEALTH_TIMEOUT)
         if not self._node:
-            self._await(Deadline(FIRST_MESSAGE))
+            self._await(self._soon(FIRST_MESSAGE))
         if not self._node:
             return Health(False, system, f"no message on {self._topic}; start its publisher")
         boot_id, fault = self._link.peer(self._topic, self._node)
         pressed = False
         if not fault:
             try:
-                self._check_emergency_stop(Deadline(FIRST_MESSAGE), Outcome.NOT_DONE)
+                self._check_emergency_stop(self._soon(FIRST_MESSAGE), Outcome.NOT_DONE)
             except CommandError as reason:
                 fault, pressed = str(reason), isinstance(reason, EmergencyStopError)
         return Health(not fault, boot_id, fault, emergency_stop=pressed)
@@ -118,10 +118,11 @@ class RosDevice:
         topic = self._emergency_stop_topic
         if not topic:
             return
-        message = self._link.newest(topic, deadline, wait=FIRST_MESSAGE).values["message"]
+        waiting = self._soon(FIRST_MESSAGE)
+        message = self._link.newest(topic, deadline, wait=waiting.left()).values["message"]
         if message is None:
             raise CommandError(
-                f"no message on {topic} within {FIRST_MESSAGE:g} s, expected the state of the emergency "
+                f"no message on {topic} within {waiting.timeout:.2g} s, expected the state of the emergency "
                 "stop; start its publisher",
                 outcome,
             )
@@ -147,6 +148,10 @@ class RosDevice:
                 return Received(after, *stamps, values["node"], values["message"], data)
             if end.left() == 0.0:
                 return None
+
+    def _soon(self, seconds: float) -> Deadline:
+        """Return the end of a wait for an answer, which takes longer while nodes find each other."""
+        return Deadline(seconds + self._link.discovery_left())
 
     def _current(self, deadline: Deadline) -> Received | None:
         """Return the next message, since the newest one may be from before a restart of the device."""

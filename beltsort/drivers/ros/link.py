@@ -72,12 +72,20 @@ class Link(ABC):
         Part of the node's name.
     topics
         Its topics.
+
+    Attributes
+    ----------
+    discovery
+        Time that nodes may take to find each other, seconds.
     """
+
+    discovery = 0.0
 
     def __init__(self, role: str, topics: Topics) -> None:
         self._role, self._topics = role, topics
         self._lock = RLock()
         self._process: NodeProcess | None = None
+        self._discovered = Deadline(0.0)
 
     @property
     @abstractmethod
@@ -126,6 +134,11 @@ class Link(ABC):
                 self.close()
                 name = f"beltsort_{self._role}_{uuid4().hex[:8]}"
                 self._process = self._start(self._topics.setup(name), Deadline(timeout))
+                self._discovered = Deadline(self.discovery)
+
+    def discovery_left(self) -> float:
+        """Return the seconds that nodes may still take to find this one."""
+        return self._discovered.left()
 
     def ask(self, request: str, timeout: float, **arguments: Any) -> Answer:
         """Send a request to the node, which must be connected, and return its answer.

@@ -43,7 +43,7 @@ class RosSorter(RosDevice):
     def stop(self) -> None:
         """Command the sorter to stop."""
         self.connect()
-        self._send(publication(self._options.stop_topic, {}), Deadline(HEALTH_TIMEOUT))
+        self._send(publication(self._options.stop_topic, {}), self._soon(HEALTH_TIMEOUT))
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command, from the sorter's status if its end was not observed."""
@@ -51,7 +51,7 @@ class RosSorter(RosDevice):
             return self._ledger[command_id].outcome
         try:
             self.connect()
-            received = self._await(Deadline(HEALTH_TIMEOUT))
+            received = self._await(self._soon(HEALTH_TIMEOUT))
         except CellError:
             return Outcome.UNKNOWN
         statuses = self._statuses(received)

@@ -18,6 +18,9 @@ START = Path(__file__).with_name("start.py")
 SILENCE = 2.0
 """Time without a message after which a publisher is considered not to answer, seconds."""
 
+DISCOVERY = 5.0
+"""Time in which nodes find each other, seconds; up to 3 on an idle computer."""
+
 SOURCED = 'source "$1" && shift && exec "$@"'
 """Command of bash that sources a file and becomes another program."""
 
@@ -40,6 +43,8 @@ class Ros2Link(Link):
         Its topics.
     """
 
+    discovery = DISCOVERY
+
     def __init__(self, options: Ros2Options, role: str, topics: Topics) -> None:
         super().__init__(role, topics)
         self._options = options
@@ -60,9 +65,9 @@ class Ros2Link(Link):
         A node that was killed or hangs is known to the middleware for another 20 s, so it is only taken to
         answer if it publishes.
         """
-        deadline = Deadline(SILENCE)
+        deadline = Deadline(SILENCE + self.discovery_left())
         last = self.newest(topic, deadline, not_before=inf).values["number"]
-        values = self.newest(topic, deadline, after=last, wait=SILENCE, not_before=inf).values
+        values = self.newest(topic, deadline, after=last, wait=deadline.left(), not_before=inf).values
         if values["message"] is not None:
             return values["node"], ""
         names = self.ask("publishers", GRACE, topic=topic).values["names"]

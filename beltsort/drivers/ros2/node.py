@@ -119,7 +119,10 @@ class Node:
         """Subscribe; rclpy chooses by the number of parameters whether a callback is given the sender."""
         informed = hasattr(import_module("rclpy.subscription"), "MessageInfo")  # not yet in Humble
         callback = receive if informed else lambda message: receive(message, {})
-        self._node.create_subscription(interface_class(kind), topic, callback, quality)
+        silent = events().SubscriptionEventCallbacks(use_default_callbacks=False)  # one of two may not match
+        self._node.create_subscription(
+            interface_class(kind), topic, callback, quality, event_callbacks=silent
+        )
 
 
 class Discovered:
@@ -164,6 +167,14 @@ def profile(depth: int, *, durable: bool = False) -> Any:
     else:
         reliability, durability = qos.ReliabilityPolicy.BEST_EFFORT, qos.DurabilityPolicy.VOLATILE
     return qos.QoSProfile(depth=depth, reliability=reliability, durability=durability)
+
+
+def events() -> Any:
+    """Return rclpy's module of events, whose name was another in Humble."""
+    try:
+        return import_module("rclpy.event_handler")
+    except ImportError:
+        return import_module("rclpy.qos_event")
 
 
 def start(setup: dict[str, Any]) -> tuple[Node, dict[str, Any]]:

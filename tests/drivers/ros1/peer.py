@@ -9,7 +9,8 @@ from beltsort.drivers.ros.clouds import packed
 from beltsort.drivers.ros1.messages import message_class
 from beltsort.drivers.ros1.status import RUNNING, SUCCEEDED
 from tests.drivers.ros import machine
-from tests.drivers.ros1.scene import ACTION, BELT, CLOUDS, COMMAND, EMERGENCY, JOINTS, POINTS, SORTER
+from tests.drivers.ros.scenery import ACTION, BELT, CLOUDS, EMERGENCY, JOINTS, POINTS, SORTER
+from tests.drivers.ros1.scene import COMMAND
 
 rospy: Any = import_module("rospy")
 NUMBERS = {machine.ACTIVE: RUNNING[1], machine.SUCCEEDED: SUCCEEDED, machine.ABORTED: 4, machine.REJECTED: 5}

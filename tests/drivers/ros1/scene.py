@@ -1,17 +1,11 @@
 """What peer and tests agree on."""
 
-import numpy as np
-
 from beltsort.drivers.ros1 import Ros1ArmOptions, Ros1BeltOptions, Ros1CameraOptions, Ros1SorterOptions
+from tests.drivers.ros.scenery import ACTION, CLOUDS, EMERGENCY, JOINTS, POINTS, POSES, TAUGHT
 
-CLOUDS, JOINTS, COMMAND = "/camera/points", "/robot/joint_states", "/robot/limb/right/joint_command"
-ACTION, BELT, SORTER, EMERGENCY = "/arm/follow_joint_trajectory", "/belt", "/sorter", "/emergency_stop"
+__all__ = ["POINTS", "POSES", "TAUGHT", "arm", "belt", "camera_by_joints", "camera_by_tf", "sorter"]
 
-TAUGHT = {"p1": {"shoulder": 0.3, "elbow": -0.2}, "p2": {"shoulder": -0.3, "elbow": 0.4}}
-POSES = {"p1": np.diag([1.0, -1.0, -1.0, 1.0]).tolist(), "p2": np.diag([-1.0, 1.0, -1.0, 1.0]).tolist()}
-
-POINTS = np.random.default_rng(8).uniform(-1.0, 1.0, (6, 8, 3)).astype(np.float32).astype(np.float64)
-POINTS[2, 3] = np.nan
+COMMAND = "/robot/limb/right/joint_command"
 
 
 def camera_by_tf(master: str) -> Ros1CameraOptions:

@@ -1,4 +1,4 @@
-"""A cell on ROS 1: a master and a peer in processes of their own."""
+"""Cells on ROS 1, with a master, and on ROS 2: peers in processes of their own."""
 
 import time
 from pathlib import Path
@@ -6,32 +6,24 @@ from typing import Any
 
 from beltsort.cell import CommandError
 from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
+from beltsort.drivers.ros2 import Ros2Arm, Ros2Belt, Ros2Camera, Ros2Sorter
 from tests.contract.peer import ProcessPeer, SeeingPeer
-from tests.drivers.ros1 import scene
-from tests.drivers.ros1.rig import Rig, require_ros
+from tests.drivers.ros.scenery import TAUGHT
+from tests.drivers.ros1 import rig as rig1
+from tests.drivers.ros1 import scene as scene1
+from tests.drivers.ros2 import rig as rig2
+from tests.drivers.ros2 import scene as scene2
 from tests.waiting import wait_until
 
 SLOW = {"arm": {"speed": 0.15}, "belt": {"travel": 4.0}, "sorter": {"sort": 4.0}}
 
 
-class Ros1Peer(SeeingPeer, ProcessPeer):
-    """The peer of tests/drivers/ros1."""
+class RosPeer(SeeingPeer, ProcessPeer):
+    """A cell on ROS."""
 
     actuators = ("arm", "arm by action", "belt", "sorter")
-
-    def __init__(self, folder: Path) -> None:
-        require_ros()
-        super().__init__(folder)
-        folder.mkdir(exist_ok=True)
-        self._rig = Rig(folder)
-        uri = self._rig.uri
-        self._devices: dict[str, Any] = {
-            "arm": Ros1Arm(scene.arm(uri)),
-            "arm by action": Ros1Arm(scene.arm(uri, action=True)),
-            "belt": Ros1Belt(scene.belt(uri)),
-            "sorter": Ros1Sorter(scene.sorter(uri)),
-            "camera": Ros1Camera(scene.camera_by_tf(uri)),
-        }
+    _rig: rig1.Rig | rig2.Rig
+    _devices: dict[str, Any]
 
     def refresh(self) -> None:
         self._rig.mend()
@@ -73,7 +65,7 @@ class Ros1Peer(SeeingPeer, ProcessPeer):
         if role == "sorter":
             return int(sum(world["bins"]))
         joints = world["joints"]
-        at = (all(abs(joints[j] - x) < 0.02 for j, x in taught.items()) for taught in scene.TAUGHT.values())
+        at = (all(abs(joints[j] - x) < 0.02 for j, x in taught.items()) for taught in TAUGHT.values())
         return next((number for number, here in enumerate(at) if here), -1)
 
     def busy(self, role: str) -> bool:
@@ -121,3 +113,39 @@ class Ros1Peer(SeeingPeer, ProcessPeer):
 
     def resume(self) -> None:
         self._rig.thaw()
+
+
+class Ros1Peer(RosPeer):
+    """The peer of tests/drivers/ros1."""
+
+    def __init__(self, folder: Path) -> None:
+        rig1.require_ros()
+        super().__init__(folder)
+        folder.mkdir(exist_ok=True)
+        self._rig = rig1.Rig(folder)
+        uri = self._rig.uri
+        self._devices = {
+            "arm": Ros1Arm(scene1.arm(uri)),
+            "arm by action": Ros1Arm(scene1.arm(uri, action=True)),
+            "belt": Ros1Belt(scene1.belt(uri)),
+            "sorter": Ros1Sorter(scene1.sorter(uri)),
+            "camera": Ros1Camera(scene1.camera_by_tf(uri)),
+        }
+
+
+class Ros2Peer(RosPeer):
+    """The peer of tests/drivers/ros2."""
+
+    def __init__(self, folder: Path) -> None:
+        rig2.require_ros2()
+        super().__init__(folder)
+        folder.mkdir(exist_ok=True)
+        self._rig = rig2.Rig(folder)
+        domain = self._rig.domain
+        self._devices = {
+            "arm": Ros2Arm(scene2.arm(domain)),
+            "arm by action": Ros2Arm(scene2.arm(domain, action=True)),
+            "belt": Ros2Belt(scene2.belt(domain)),
+            "sorter": Ros2Sorter(scene2.sorter(domain)),
+            "camera": Ros2Camera(scene2.camera_by_tf(domain)),
+        }
