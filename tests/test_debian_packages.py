@@ -69,6 +69,13 @@ def made_here() -> set[str]:
     return {ast.literal_eval(key).split("/")[0] for key in definitions.keys if key is not None}
 
 
+def of_ros2() -> set[str]:
+    """Return the modules that scripts/ros2-packages.txt provides: ros-std-msgs contains std_msgs."""
+    lines = (ROOT / "scripts" / "ros2-packages.txt").read_text("utf-8").splitlines()
+    names = [re.split(r"[\[=]", line)[0] for line in lines if line.startswith("ros-")]
+    return {name.removeprefix("ros-").replace("-", "_") for name in names}
+
+
 def unaccounted(files: Iterator[Path]) -> list[str]:
     """Return "file:line module" of every module that neither Python, pyproject.toml nor the list provides."""
     ours = {"beltsort", "tests", "benchmarks"}
@@ -78,7 +85,7 @@ def unaccounted(files: Iterator[Path]) -> list[str]:
         f"{file.relative_to(ROOT)}:{line} {module}"
         for file in files
         for line, module in loaded_by(file.read_text("utf-8"))
-        if (top := module.split(".")[0]) not in provided
+        if (top := module.split(".")[0]) not in provided | (of_ros2() if "ros2" in file.parts else set())
         and not file.with_name(f"{top}.py").exists()
         and not {normal(name) for name in [*distributions.get(top, []), INSTALLED_AS.get(top, "")]} & named
     ]

@@ -1,6 +1,4 @@
-"""A camera that publishes point clouds."""
-
-from typing import Any
+"""A camera that publishes point clouds or depth images."""
 
 import numpy as np
 
@@ -8,11 +6,11 @@ from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import Scan
 from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.checks import check_pose
-from beltsort.drivers.ros.clouds import Cloud, points_of
 from beltsort.drivers.ros.device import Received, RosDevice
 from beltsort.drivers.ros.joints import joints_of, joints_text, standing_at
 from beltsort.drivers.ros.link import MakeLink, Topics
 from beltsort.drivers.ros.options import CameraOptions
+from beltsort.drivers.ros.sources import Source
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
 
@@ -24,26 +22,28 @@ CLOCK_TOLERANCE = 0.1
 class RosCamera(RosDevice):
     """A camera on ROS.
 
-    A cloud that is too old, in another frame, empty, truncated, without a finite point or without a known
+    A scan that is too old, in another frame, empty, truncated, without a finite point or without a known
     pose is ignored, and the device waits for the next one.
 
     Parameters
     ----------
     options
         Its topic and the source of its pose.
+    source
+        What it publishes.
     link
         Function that returns the link.
     """
 
-    def __init__(self, options: CameraOptions, link: MakeLink) -> None:
+    def __init__(self, options: CameraOptions, source: Source, link: MakeLink) -> None:
         joints = {options.joint_topic: "sensor_msgs/JointState"} if options.joint_topic else {}
         topics = Topics(
-            subscribe={options.topic: "sensor_msgs/PointCloud2", **joints},
+            subscribe={**source.subscribe, **joints},
             joints=next(iter(options.taught.values()), ()),
             tf=bool(options.world_frame),
         )
-        super().__init__(link("camera", topics), options.topic)
-        self._options = options
+        super().__init__(link("camera", topics), source.topic)
+        self._options, self._source = options, source
 
     def stop(self) -> None:
         """Do nothing: nothing moves."""
@@ -54,7 +54,7 @@ class RosCamera(RosDevice):
         Raises
         ------
         CommandError
-            If there is none in time; the message gives the problem of the last cloud.
+            If there is none in time; the message gives the problem of the last one.
         """
         if not np.isfinite(not_before):
             raise CellError(f"not_before is {not_before}, expected a time, seconds; give a number")
@@ -68,7 +68,7 @@ class RosCamera(RosDevice):
             except CellError as reason:
                 refused = str(reason)
         raise CommandError(
-            f"no usable cloud on {self._topic} within {timeout:g} s, expected one; the last: {refused}",
+            f"no usable scan on {self._topic} within {timeout:g} s, expected one; the last: {refused}",
             Outcome.NOT_DONE,
         )
 
@@ -86,10 +86,10 @@ class RosCamera(RosDevice):
         frame = received.message["header"]["frame_id"].lstrip("/")
         if frame != self._options.frame.lstrip("/"):
             raise CellError(
-                f"it is in the frame {frame!r}, expected {self._options.frame!r}; take the cloud of the "
-                "optical frame"
+                f"it is in the frame {frame!r}, expected {self._options.frame!r}; take the scans of "
+                "the optical frame"
             )
-        points = points_of(_cloud(received.message, received.data))
+        points = self._source.points(self._link, received.message, received.data, deadline)
         return Scan(points, self._pose(frame, received.ros_stamp, deadline), received.stamp, frame)
 
     def _pose(self, frame: str, stamp: float, deadline: Deadline) -> Pose:
@@ -111,15 +111,3 @@ class RosCamera(RosDevice):
                 "taught viewpoint; move it to one"
             )
         return check_pose(name, self._options.poses[name])
-
-
-def _cloud(message: dict[str, Any], data: bytes) -> Cloud:
-    return Cloud(
-        message["height"],
-        message["width"],
-        {field["name"]: (field["offset"], field["datatype"]) for field in message["fields"]},
-        message["is_bigendian"],
-        message["point_step"],
-        message["row_step"],
-        data,
-    )

@@ -68,8 +68,7 @@ class NodeProcess:
         self._waiting: dict[int, Future[Answer]] = {0: ready}
         Thread(target=self._receive, name=self.name, daemon=True).start()
         try:
-            self._send(setup)
-            self.started = self._started(ready, timeout)
+            self.started = self._started(setup, ready, timeout)
         except BaseException:
             self.end(patience=0.0)
             raise
@@ -80,8 +79,9 @@ class NodeProcess:
                 Outcome.NOT_DONE,
             )
 
-    def _started(self, ready: "Future[Answer]", timeout: float) -> dict[str, Any]:
+    def _started(self, setup: dict[str, Any], ready: "Future[Answer]", timeout: float) -> dict[str, Any]:
         try:
+            self._send(setup)
             return self._result(ready, timeout, "starting").values
         except CommandError as reason:
             raise CommandError(f"{reason}; connect() has a longer timeout", Outcome.NOT_DONE) from reason
@@ -118,7 +118,8 @@ class NodeProcess:
             with self._sending:
                 self._connection.send_bytes(json.dumps(message).encode())
         except OSError as reason:
-            raise CommandError(f"the ROS node {self.name} has ended; try again", Outcome.NOT_DONE) from reason
+            # Unknown, since the request may be one about a command that was sent before.
+            raise CommandError(f"the ROS node {self.name} has ended; try again", Outcome.UNKNOWN) from reason
 
     def _receive(self) -> None:
         try:

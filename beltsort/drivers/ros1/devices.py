@@ -6,6 +6,7 @@ from beltsort.drivers.ros.arm import RosArm
 from beltsort.drivers.ros.belt import RosBelt
 from beltsort.drivers.ros.camera import RosCamera
 from beltsort.drivers.ros.sorter import RosSorter
+from beltsort.drivers.ros.sources import CloudSource
 from beltsort.drivers.ros1.commanding import commanding
 from beltsort.drivers.ros1.link import Ros1Link
 from beltsort.drivers.ros1.options import (
@@ -21,7 +22,7 @@ class Ros1Camera(RosCamera):
     """A camera on ROS 1: `RosCamera`, with its options."""
 
     def __init__(self, options: Ros1CameraOptions) -> None:
-        super().__init__(options, partial(Ros1Link, options))
+        super().__init__(options, CloudSource(options.topic), partial(Ros1Link, options))
 
 
 class Ros1Arm(RosArm):

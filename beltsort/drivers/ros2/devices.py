@@ -6,6 +6,7 @@ from beltsort.drivers.ros.arm import RosArm
 from beltsort.drivers.ros.belt import RosBelt
 from beltsort.drivers.ros.camera import RosCamera
 from beltsort.drivers.ros.sorter import RosSorter
+from beltsort.drivers.ros.sources import CloudSource, ImageSource
 from beltsort.drivers.ros2.commanding import commanding
 from beltsort.drivers.ros2.link import Ros2Link
 from beltsort.drivers.ros2.options import (
@@ -21,7 +22,9 @@ class Ros2Camera(RosCamera):
     """A camera on ROS 2: `RosCamera`, with its options."""
 
     def __init__(self, options: Ros2CameraOptions) -> None:
-        super().__init__(options, partial(Ros2Link, options))
+        images = options.depth_topic, options.info_topic
+        source = ImageSource(*images) if options.depth_topic else CloudSource(options.topic)
+        super().__init__(options, source, partial(Ros2Link, options))
 
 
 class Ros2Arm(RosArm):

@@ -48,6 +48,8 @@ class Ros2Link(Link):
     def __init__(self, options: Ros2Options, role: str, topics: Topics) -> None:
         super().__init__(role, topics)
         self._options = options
+        self._names: dict[str, str] = {}
+        """Names of nodes by the identity of a publisher."""
 
     @property
     def address(self) -> str:
@@ -68,11 +70,12 @@ class Ros2Link(Link):
         deadline = Deadline(SILENCE + self.discovery_left())
         last = self.newest(topic, deadline, not_before=inf).values["number"]
         values = self.newest(topic, deadline, after=last, wait=deadline.left(), not_before=inf).values
-        if values["message"] is not None:
-            return values["node"], ""
-        names = self.ask("publishers", GRACE, topic=topic).values["names"]
-        who = f"the node {', '.join(names)} has" if names else "nobody has"
-        return node, f"{who} published on {topic} within {SILENCE:g} s; check it, and start it again"
+        if values["message"] is None:
+            who = f"the node {self._names[node]}" if node in self._names else "its publisher"
+            return node, f"{who} sends nothing on {topic} (for {SILENCE:g} s); check it, and start it again"
+        if values["node"] not in self._names:  # asked for now: the name of a node that was killed is lost
+            self._names.update(self.ask("publishers", GRACE, topic=topic).values["names"])
+        return values["node"], ""
 
     def _usable(self, _process: NodeProcess, _timeout: float) -> bool:
         return True

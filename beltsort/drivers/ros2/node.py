@@ -27,6 +27,9 @@ from beltsort.drivers.ros2.messages import filled, interface_class
 LEAVE_TIMEOUT = 1.0
 """Timeout of telling other nodes that this one leaves, seconds."""
 
+LOOK_INTERVAL = 0.2
+"""Interval at which publishers are looked at until one is durable, seconds."""
+
 TF = "tf2_msgs/TFMessage"
 LATCHED = ("std_msgs/Bool", "sensor_msgs/CameraInfo")
 """Types that some publish once and keep for those that come later, and others repeat."""
@@ -85,9 +88,10 @@ class Node:
         return {"listeners": int(self._actions[action].cancel())}, b""
 
     def publishers(self, topic: str) -> Reply:
-        """Return the names of the nodes that are known to publish on a topic."""
+        """Return the nodes that are known to publish on a topic: names by the publisher's identity."""
         found = self._node.get_publishers_info_by_topic(topic)
-        return {"names": sorted({f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in found})}, b""
+        named = {bytes(e.endpoint_gid).hex(): f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in found}
+        return {"names": named}, b""
 
     def transforms(self, stamp: float) -> Reply:
         """Return the transforms of tf nearest to a time."""
@@ -110,19 +114,30 @@ class Node:
         def receive(message: Any, info: Any) -> None:
             mailbox.put(message, gid_of(info))
 
-        if kind not in KEPT:
-            self._listen(topic, kind, profile(1 if kind in SCANS else QUEUE), receive)
-        if kind in KEPT + LATCHED:
+        if kind in KEPT:
             self._listen(topic, kind, profile(QUEUE, durable=True), receive)
+            return
+        self._listen(topic, kind, profile(1 if kind in SCANS else QUEUE), receive)
+        if kind in LATCHED:
+            self._listen_when_durable(topic, kind, receive)
+
+    def _listen_when_durable(self, topic: str, kind: str, receive: Any) -> None:
+        """Subscribe to what a publisher keeps, once it is known to; others would warn of the subscription."""
+        durable = import_module("rclpy.qos").DurabilityPolicy.TRANSIENT_LOCAL
+
+        def look() -> None:
+            found = self._node.get_publishers_info_by_topic(topic)
+            if any(endpoint.qos_profile.durability == durable for endpoint in found):
+                timer.cancel()
+                self._listen(topic, kind, profile(QUEUE, durable=True), receive)
+
+        timer = self._node.create_timer(LOOK_INTERVAL, look)
 
     def _listen(self, topic: str, kind: str, quality: Any, receive: Any) -> None:
         """Subscribe; rclpy chooses by the number of parameters whether a callback is given the sender."""
         informed = hasattr(import_module("rclpy.subscription"), "MessageInfo")  # not yet in Humble
         callback = receive if informed else lambda message: receive(message, {})
-        silent = events().SubscriptionEventCallbacks(use_default_callbacks=False)  # one of two may not match
-        self._node.create_subscription(
-            interface_class(kind), topic, callback, quality, event_callbacks=silent
-        )
+        self._node.create_subscription(interface_class(kind), topic, callback, quality)
 
 
 class Discovered:
@@ -167,14 +182,6 @@ def profile(depth: int, *, durable: bool = False) -> Any:
     else:
         reliability, durability = qos.ReliabilityPolicy.BEST_EFFORT, qos.DurabilityPolicy.VOLATILE
     return qos.QoSProfile(depth=depth, reliability=reliability, durability=durability)
-
-
-def events() -> Any:
-    """Return rclpy's module of events, whose name was another in Humble."""
-    try:
-        return import_module("rclpy.event_handler")
-    except ImportError:
-        return import_module("rclpy.qos_event")
 
 
 def start(setup: dict[str, Any]) -> tuple[Node, dict[str, Any]]:

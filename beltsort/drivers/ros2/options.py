@@ -51,11 +51,32 @@ class Ros2Options:
 
 @dataclass(frozen=True, kw_only=True)
 class Ros2CameraOptions(CameraOptions, Ros2Options):
-    """Options of a camera on ROS 2, also those of `CameraOptions` and `Ros2Options`."""
+    """Options of a camera on ROS 2, also those of `CameraOptions` and `Ros2Options`.
+
+    Attributes
+    ----------
+    topic
+        sensor_msgs/PointCloud2, metres.
+    depth_topic
+        sensor_msgs/Image, an alternative to `topic`: rectified depth images, 16UC1 in millimetres or 32FC1 in
+        metres.
+    info_topic
+        sensor_msgs/CameraInfo of the depth images.
+    """
+
+    topic: str = ""
+    depth_topic: str = ""
+    info_topic: str = ""
 
     def __post_init__(self) -> None:
-        """Check all options."""
+        """Check that there is one source of scans, and all other options."""
         Ros2Options.__post_init__(self)
+        if bool(self.topic) == bool(self.depth_topic) or bool(self.depth_topic) != bool(self.info_topic):
+            raise CellError(
+                f"topic is {self.topic!r}, depth_topic {self.depth_topic!r} and info_topic "
+                f"{self.info_topic!r}; expected topic for clouds, or the other two for depth images; give "
+                "either"
+            )
         CameraOptions.__post_init__(self)
 
 

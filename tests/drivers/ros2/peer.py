@@ -21,9 +21,11 @@ from tests.drivers.ros.scenery import (  # noqa: E402 - likewise
     POINTS,
     SORTER,
 )
-from tests.drivers.ros2.topics import TRAJECTORY  # noqa: E402 - likewise
+from tests.drivers.ros2.topics import DEPTH, INFO, TRAJECTORY  # noqa: E402 - likewise
 
 rclpy: Any = import_module("rclpy")
+DEPTHS = [[500, 0, 600], [700, 800, 900]]
+"""Millimetres."""
 ABORTED, REJECTED = 4, 5
 """Verdicts on a goal."""
 BEST_EFFORT = import_module("rclpy.qos").qos_profile_sensor_data
@@ -46,10 +48,16 @@ class Peer(machine.Machine):
             node.create_subscription(message_class(kind), topic, receive, 10)
 
         self.clouds = advertise(CLOUDS, "sensor_msgs/PointCloud2", BEST_EFFORT)
+        self.depth = advertise(DEPTH, "sensor_msgs/Image", BEST_EFFORT)
+        self.info = advertise(INFO, "sensor_msgs/CameraInfo", BEST_EFFORT)
         self.states = advertise(JOINTS, "sensor_msgs/JointState")
         self.reports = advertise(f"{BELT}/object", "std_msgs/Int32")
         self.tf = advertise("/tf", "tf2_msgs/TFMessage")
         self.emergency = advertise(EMERGENCY, "std_msgs/Bool")
+        qos = import_module("rclpy.qos")
+        latched = qos.QoSProfile(depth=1, durability=qos.DurabilityPolicy.TRANSIENT_LOCAL)
+        self.latched = advertise("/latched_stop", "std_msgs/Bool", latched)
+        self.latched.publish(message_class("std_msgs/Bool")(data=True))
         self.sorted = advertise(f"{SORTER}/state", "diagnostic_msgs/DiagnosticArray")
         hear(TRAJECTORY, "trajectory_msgs/JointTrajectory", self.follow)
         hear(f"{BELT}/target", "std_msgs/Int32", lambda message: self.advance(message.data))
@@ -99,6 +107,8 @@ class Peer(machine.Machine):
             self.sorted.publish(self.keys())
         if n % 5 == 0 and self.settings.cloud != "silent":
             self.clouds.publish(self.cloud())
+            self.depth.publish(self.image())
+            self.info.publish(self.camera_info())
 
     def stamp(self, ago: float = 0.0) -> Any:
         nanoseconds = self.node.get_clock().now().nanoseconds - int(ago * 1e9)
@@ -138,6 +148,17 @@ class Peer(machine.Machine):
             message.fields.append(field(name=name, offset=4 * number, datatype=field.FLOAT32, count=1))
         message.point_step, message.row_step = 12, 12 * message.width
         message.data = points.astype("<f4").tobytes()[: -1 if kind == "truncated" else None]
+        return message
+
+    def image(self) -> Any:
+        message = message_class("sensor_msgs/Image")(encoding="16UC1", height=2, width=3, step=6)
+        message.header.stamp, message.header.frame_id = self.stamp(), "optical"
+        message.data = np.array(DEPTHS, "<u2").tobytes()[: -1 if self.settings.cloud == "truncated" else None]
+        return message
+
+    def camera_info(self) -> Any:
+        message = message_class("sensor_msgs/CameraInfo")(height=2, width=3)
+        message.k = [500.0, 0.0, 1.0, 0.0, 400.0, 0.5, 0.0, 0.0, 1.0]
         return message
 
 

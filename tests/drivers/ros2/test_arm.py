@@ -51,7 +51,7 @@ def test_the_flange_is_where_tf_says(rig: Rig, arm: Ros2Arm) -> None:
         assert pose[2, 3] == pytest.approx(scene.TAUGHT["p2"]["elbow"], abs=options.tolerance)
     said = r"pose of 'hand'.*\b1 s\b.*\btransforms\b.*'hand'.*'world'"
     with Ros2Arm(dataclasses.replace(options, flange_frame="hand")) as lost:
-        lost.connect()
+        wait_until(lambda: lost.health().ready, "the nodes find each other")
         with pytest.raises(CommandError, match=said):
             lost.flange_pose(timeout=1.0)
 
