@@ -93,7 +93,7 @@ clean:  ## remove everything made by this file (runs/ stays)
 
 # scripts/bootstrap touches .venv/installed only when packages or metadata have changed: editing the settings of a tool
 # in pyproject.toml installs and builds nothing.
-.venv/ready: pyproject.toml scripts/bootstrap scripts/debian-packages.txt
+.venv/ready: pyproject.toml scripts/bootstrap scripts/debian-packages.txt scripts/ros2-packages.txt
 	bash scripts/bootstrap
 	@touch $@
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from beltsort.cellfile.registry import Backend, backend_of
 from beltsort.cellfile.validation import validated
-from beltsort.drivers import modbus, opcua, replay, ros1
+from beltsort.drivers import modbus, opcua, replay, ros1, ros2
 
 if TYPE_CHECKING:
     from beltsort.cellfile.description import CellDescription
 
-FILES = ("certificate", "private_key", "trust", "path")
+FILES = ("certificate", "private_key", "trust", "path", "setup")
 """Options that are paths; relative paths are relative to the cell file."""
 
 Options = TypeVar("Options", bound=Any)
@@ -38,6 +38,18 @@ ROS1_BELT = backend_of(ros1.Ros1BeltOptions, lambda options, _cell: ros1.Ros1Bel
 ROS1_SORTER = backend_of(ros1.Ros1SorterOptions, lambda options, _cell: ros1.Ros1Sorter(options))
 ROS1_ARM = Backend(
     lambda given, cell: ros1.Ros1Arm(validated(ros1.Ros1ArmOptions, with_viewpoints(given, cell)))
+)
+ROS2_CAMERA = backend_of(
+    ros2.Ros2CameraOptions, lambda options, cell: ros2.Ros2Camera(resolved(options, cell))
+)
+ROS2_BELT = backend_of(ros2.Ros2BeltOptions, lambda options, cell: ros2.Ros2Belt(resolved(options, cell)))
+ROS2_SORTER = backend_of(
+    ros2.Ros2SorterOptions, lambda options, cell: ros2.Ros2Sorter(resolved(options, cell))
+)
+ROS2_ARM = Backend(
+    lambda given, cell: ros2.Ros2Arm(
+        resolved(validated(ros2.Ros2ArmOptions, with_viewpoints(given, cell)), cell)
+    )
 )
 REPLAY = Backend(
     lambda given, cell: replay.Replay(

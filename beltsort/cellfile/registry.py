@@ -31,6 +31,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
     "opcua": dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:OPCUA"),
     "modbus": dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:MODBUS"),
     "ros1": {role: f"beltsort.cellfile.backends:ROS1_{role.upper()}" for role in ROLES},
+    "ros2": {role: f"beltsort.cellfile.backends:ROS2_{role.upper()}" for role in ROLES},
     "replay": dict.fromkeys(("arm", "camera", "belt"), "beltsort.cellfile.backends:REPLAY"),
     "dry-run": {role: f"beltsort.cellfile.dry_run:{role.upper()}" for role in ROLES},
 }
