@@ -6,6 +6,7 @@ It ends when its socket is closed.
 import os
 import sys
 import threading
+import time
 from collections.abc import Iterable
 from importlib import import_module
 from multiprocessing.connection import Connection
@@ -27,8 +28,11 @@ from beltsort.drivers.ros2.messages import filled, interface_class
 LEAVE_TIMEOUT = 1.0
 """Timeout of telling other nodes that this one leaves, seconds."""
 
+UNKNOWN, NAMING = "_UNKNOWN_", 0.5
+"""Part of the name of a node that is not known yet, and the time for which it is waited for, seconds."""
+
 LOOK_INTERVAL = 0.2
-"""Interval at which publishers are looked at until one is durable, seconds."""
+"""Interval at which publishers are looked at until a subscription fits them best, seconds."""
 
 TF = "tf2_msgs/TFMessage"
 LATCHED = ("std_msgs/Bool", "sensor_msgs/CameraInfo")
@@ -88,10 +92,21 @@ class Node:
         return {"listeners": int(self._actions[action].cancel())}, b""
 
     def publishers(self, topic: str) -> Reply:
-        """Return the nodes that are known to publish on a topic: names by the publisher's identity."""
-        found = self._node.get_publishers_info_by_topic(topic)
-        named = {bytes(e.endpoint_gid).hex(): f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in found}
-        return {"names": named}, b""
+        """Return the names of the nodes that publish on a topic by the identity of the publisher.
+
+        Waits a moment, since names are discovered after publishers.
+        """
+        end = time.monotonic() + NAMING
+        while True:
+            found = self._node.get_publishers_info_by_topic(topic)
+            named = {
+                bytes(each.endpoint_gid).hex(): f"{each.node_namespace.rstrip('/')}/{each.node_name}"
+                for each in found
+                if UNKNOWN not in each.node_name
+            }
+            if len(named) == len(found) or time.monotonic() > end:
+                return {"names": named}, b""
+            time.sleep(LOOK_INTERVAL)
 
     def transforms(self, stamp: float) -> Reply:
         """Return the transforms of tf nearest to a time."""
@@ -117,27 +132,37 @@ class Node:
         if kind in KEPT:
             self._listen(topic, kind, profile(QUEUE, durable=True), receive)
             return
-        self._listen(topic, kind, profile(1 if kind in SCANS else QUEUE), receive)
-        if kind in LATCHED:
-            self._listen_when_durable(topic, kind, receive)
+        first = self._listen(topic, kind, profile(1 if kind in SCANS else QUEUE), receive)
+        if kind in LATCHED + SCANS:
+            self._adapt(topic, kind, receive, first)
 
-    def _listen_when_durable(self, topic: str, kind: str, receive: Any) -> None:
-        """Subscribe to what a publisher keeps, once it is known to; others would warn of the subscription."""
-        durable = import_module("rclpy.qos").DurabilityPolicy.TRANSIENT_LOCAL
+    def _adapt(self, topic: str, kind: str, receive: Any, first: Any) -> None:
+        """Subscribe anew to a publisher that keeps messages or, of scans, repeats what was lost of them.
+
+        A subscription that a publisher does not fit is not tried, since both sides would warn of it.
+        """
+        qos = import_module("rclpy.qos")
+        kept, repeated = qos.DurabilityPolicy.TRANSIENT_LOCAL, qos.ReliabilityPolicy.RELIABLE
 
         def look() -> None:
-            found = self._node.get_publishers_info_by_topic(topic)
-            if any(endpoint.qos_profile.durability == durable for endpoint in found):
+            found = [each.qos_profile for each in self._node.get_publishers_info_by_topic(topic)]
+            durable = any(each.durability == kept for each in found)
+            reliable = bool(found) and all(each.reliability == repeated for each in found)
+            if kind in LATCHED and durable:
                 timer.cancel()
                 self._listen(topic, kind, profile(QUEUE, durable=True), receive)
+            elif kind in SCANS and reliable:
+                timer.cancel()
+                self._listen(topic, kind, profile(1, reliable=True), receive)
+                self._node.destroy_subscription(first)
 
         timer = self._node.create_timer(LOOK_INTERVAL, look)
 
-    def _listen(self, topic: str, kind: str, quality: Any, receive: Any) -> None:
+    def _listen(self, topic: str, kind: str, quality: Any, receive: Any) -> Any:
         """Subscribe; rclpy chooses by the number of parameters whether a callback is given the sender."""
         informed = hasattr(import_module("rclpy.subscription"), "MessageInfo")  # not yet in Humble
         callback = receive if informed else lambda message: receive(message, {})
-        self._node.create_subscription(interface_class(kind), topic, callback, quality)
+        return self._node.create_subscription(interface_class(kind), topic, callback, quality)
 
 
 class Discovered:
@@ -170,18 +195,19 @@ def gid_of(info: Any) -> str:
     return bytes(gid["data"]).hex() if gid else ""
 
 
-def profile(depth: int, *, durable: bool = False) -> Any:
+def profile(depth: int, *, reliable: bool = False, durable: bool = False) -> Any:
     """Return the quality of service of a subscription.
 
-    Best effort fits publishers that are best effort or reliable; durable ones are reliable, and keep
-    messages for those that come later.
+    Best effort fits publishers that are best effort or reliable, but large messages may be lost; durable ones
+    are reliable, and keep messages for those that come later.
     """
     qos = import_module("rclpy.qos")
-    if durable:
-        reliability, durability = qos.ReliabilityPolicy.RELIABLE, qos.DurabilityPolicy.TRANSIENT_LOCAL
-    else:
-        reliability, durability = qos.ReliabilityPolicy.BEST_EFFORT, qos.DurabilityPolicy.VOLATILE
-    return qos.QoSProfile(depth=depth, reliability=reliability, durability=durability)
+    reliability, durability = qos.ReliabilityPolicy, qos.DurabilityPolicy
+    return qos.QoSProfile(
+        depth=depth,
+        reliability=reliability.RELIABLE if reliable or durable else reliability.BEST_EFFORT,
+        durability=durability.TRANSIENT_LOCAL if durable else durability.VOLATILE,
+    )
 
 
 def start(setup: dict[str, Any]) -> tuple[Node, dict[str, Any]]:
