@@ -108,12 +108,19 @@ impl SortingModel {
         }
     }
 
-    /// The unit of tolerances of values: `r_max`, or the largest of all rewards.
+    /// The unit of tolerances of values: `r_max`, or the largest reward, in absolute value, of putting a class into the
+    /// bin that is best for it; the largest of all rewards if every best bin is worth nothing.
+    ///
+    /// Losses of wrong decisions do not count: they may be a hundred times as large, and the policies of interest run
+    /// into few of them.
     #[must_use]
     pub fn reward_scale(&self) -> f64 {
         match &self.rewards {
             Rewards::RightOrWrong => self.spec().r_max,
-            Rewards::Table(table) => table.amax(),
+            Rewards::Table(table) => {
+                let best = table.column_iter().map(|kind| kind.max().abs()).fold(0.0, f64::max);
+                if best > 0.0 { best } else { table.amax() }
+            }
         }
     }
 

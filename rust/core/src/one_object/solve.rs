@@ -322,6 +322,21 @@ mod tests {
         assert!((1e3 * value(&scaled) / value(&unit) - 1.0).abs() < 1e-6);
     }
 
+    /// A table of rewards that holds the paper's leads to the same plans, whatever a wrong decision costs.
+    #[test]
+    fn rewards_that_are_written_out_lead_to_the_same_value() {
+        let model = paper(500.0).with_positions(1).unwrap();
+        let mut spec = model.spec().clone();
+        let right = |bin: usize, class: usize| if bin == class { spec.r_max } else { -spec.r_min };
+        let reward = (0..4).map(|bin| (0..4).map(|class| right(bin, class)).collect()).collect();
+        spec.reward = Some(reward);
+        let written = SortingModel::new(spec).unwrap();
+        let value = |model| {
+            OneObjectPolicy::solve(model).value(model, (&[0.25; 4], Remaining::ENDLESS), Viewpoint(0))
+        };
+        assert!((value(&written) - value(&model)).abs() < 1e-9, "{} {}", value(&written), value(&model));
+    }
+
     #[test]
     fn value_reaches_the_known_optimum_from_below() {
         for (r_min, optimum, tolerance) in [(5.0, 46.987, 0.001), (50.0, 17.5, 0.001), (500.0, 5.842, 0.01)] {
