@@ -26,6 +26,7 @@ from beltsort.cellfile.validation import Section, validated
 from beltsort.errors import ViewpointError
 from beltsort.geometry import BeltLayout
 from beltsort.perception.config import PerceptionConfig
+from beltsort.ros2.options import NodeOptions
 from beltsort.sorting.rules import Drift, Rules
 from beltsort.util.extras import extra
 from beltsort.util.naming import nearest_of
@@ -101,6 +102,8 @@ class CellDescription(Section):
     """Limits of `beltsort check`."""
     faults: FaultSection | None = None
     """Faults to inject."""
+    ros2: Annotated[NodeOptions, OWN_CHECKS] | None = None
+    """The node by which a run is published on ROS 2; none if missing."""
     _file: Path = PrivateAttr(default=Path())
 
     @classmethod

@@ -13,6 +13,7 @@ from beltsort.cli.monitoring import Monitoring, add_monitoring, monitoring, moni
 from beltsort.cli.operator import CommandLineOperator
 from beltsort.cli.output import print_cell_mode, print_json, print_recording, print_status
 from beltsort.cli.progress import stage_progress
+from beltsort.cli.ros2 import ros2_node
 from beltsort.cli.signs_of_life import SignsOfLife, check_watchdog
 from beltsort.planning.named_policy import HELP, located_policy
 from beltsort.sorting.holds import Answer, HeldError, Hold
@@ -143,11 +144,11 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
     interrupts = Interrupts()
     signs = SignsOfLife(manager, interrupts.check)
     operator = CommandLineOperator(arguments.settle, opened.broken_off, requests, signs.check)
-    with interrupts, run_display(console) as display:
+    with interrupts, ros2_node(opened) as node, run_display(console) as display:
         try:
             with counted_warnings():
                 report = opened.sort(
-                    *((*watching.listeners, signs.listen, display), operator, signs.check),
+                    *((*watching.listeners, node, signs.listen, display), operator, signs.check),
                     allow_hold=arguments.allow_hold,
                     recorder=recorder,
                 )

@@ -86,6 +86,11 @@ class NodeProcess:
         except CommandError as reason:
             raise CommandError(f"{reason}; connect() has a longer timeout", Outcome.NOT_DONE) from reason
 
+    @property
+    def process_id(self) -> int:
+        """Id of the process."""
+        return self._process.pid
+
     def alive(self) -> bool:
         """Return whether the process runs."""
         return not self._connection.closed and self._process.poll() is None

@@ -15,6 +15,9 @@ from beltsort.drivers.ros2.options import Ros2Options
 
 START = Path(__file__).with_name("start.py")
 
+DEVICE = "beltsort.drivers.ros2.node"
+"""The node program of devices."""
+
 SILENCE = 2.0
 """Time without a message after which a publisher is considered not to answer, seconds."""
 
@@ -81,11 +84,11 @@ class Ros2Link(Link):
         return True
 
     def _start(self, setup: dict[str, Any], deadline: Deadline) -> NodeProcess:
-        return NodeProcess(_program(self._options), setup, deadline.left())
+        return NodeProcess(node_program(self._options, DEVICE), setup, deadline.left())
 
 
-def _program(options: Ros2Options) -> Program:
-    """Return the node program of an installation of ROS 2.
+def node_program(options: Ros2Options, module: str) -> Program:
+    """Return a node program, the `main` of a module, with an installation of ROS 2.
 
     Raises
     ------
@@ -93,7 +96,7 @@ def _program(options: Ros2Options) -> Program:
         `NOT_DONE` if the file to source or the interpreter does not exist.
     """
     python = options.python or ("python3" if options.setup else sys.executable)
-    command = [python, str(START)]
+    command = [python, str(START), module]
     if options.setup:
         if not Path(options.setup).is_file():
             raise CommandError(

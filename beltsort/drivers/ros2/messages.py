@@ -28,6 +28,8 @@ def filled(message: Any, values: Mapping[str, Any]) -> Any:
             item = SEQUENCE.match(kinds[name])
             assert item is not None
             setattr(message, name, [filled(interface_class(item[1])(), each) for each in value])
+        elif kinds[name] == "octet":
+            setattr(message, name, bytes([value]))
         else:
             setattr(message, name, value)
     return message

@@ -226,7 +226,7 @@ RUNNING: list[Node] = []
 def main() -> None:
     """Serve, then leave within a timeout."""
     try:
-        serve(Connection(int(sys.argv[1])), start)
+        serve(Connection(int(sys.argv[-1])), start)
     except (EOFError, OSError):
         for node in RUNNING:
             leaving = threading.Thread(target=node.leave, daemon=True)

@@ -1,4 +1,4 @@
-"""Starts the node program with a Python that need not have beltsort: `python start.py FD`.
+"""Starts a node program with a Python that need not have beltsort: `python start.py MODULE FD`.
 
 The packages around the node program are made here without their `__init__`, which need NumPy and the
 extension.
@@ -19,7 +19,7 @@ def main() -> None:
         package = ModuleType(name)
         package.__path__ = [str(folder)]
         sys.modules[name] = package
-    import_module("beltsort.drivers.ros2.node").main()
+    import_module(sys.argv[1]).main()
 
 
 if __name__ == "__main__":
