@@ -23,7 +23,7 @@ from beltsort.sorting.call_log import CallLog
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listeners, listeners_of
 from beltsort.sorting.journal_files import JOURNAL
-from beltsort.sorting.kept_scans import ScanKeeper, all_of
+from beltsort.sorting.kept_scans import ScanKeeper, ScanListener, all_of
 from beltsort.sorting.locks import devices_locked, locked
 from beltsort.sorting.loop import Check, nothing, resume_sorting
 from beltsort.sorting.progress import Progress
@@ -90,6 +90,7 @@ class CellRun:
         *,
         allow_hold: bool = False,
         recorder: Recorder | None = None,
+        scan_listener: ScanListener | None = None,
     ) -> SortingReport:
         """Sort the objects, or those that are left, and record every step in the journal.
 
@@ -97,7 +98,8 @@ class CellRun:
         journal; there may be several, and one that fails is not called again. `operator` and `check` are as
         in `beltsort.sorting.loop.sort_objects`. `allow_hold` makes a token with which a person can hold and
         continue the run (`beltsort.sorting.requests`); a run without it goes on after an earlier hold. A
-        `recorder` writes a recording for the rerun viewer.
+        `recorder` writes a recording for the rerun viewer; `scan_listener` is called with every scan that was
+        used.
 
         Raises
         ------
@@ -113,9 +115,9 @@ class CellRun:
         with run, devices_locked(self.devices), recorder or nullcontext():
             if not allow_hold:
                 drop_requests(self.folder)
-                return self._sort(listener, operator, check, None, recorder)
+                return self._sort(listener, operator, check, None, recorder, scan_listener)
             with taking_requests(self.folder):
-                return self._sort(listener, operator, check, self.folder, recorder)
+                return self._sort(listener, operator, check, self.folder, recorder, scan_listener)
 
     def _sort(
         self,
@@ -124,9 +126,10 @@ class CellRun:
         check: Check,
         requests: Path | None,
         recorder: Recorder | None,
+        scan_listener: ScanListener | None,
     ) -> SortingReport:
         heard_by = (recorder, *listeners_of(listener))
-        scan_listener = None if recorder is None else recorder.scanned
+        scan_listener = all_of(None if recorder is None else recorder.scanned, scan_listener)
         description = self.description
         settings = description.perception
         perception = perception_for(self.model, description.layout, self.classifier, settings)

@@ -15,6 +15,7 @@ def ros2_node(run: "CellRun") -> "AbstractContextManager[RunNode | None]":
     options = run.description.ros2
     if options is None:
         return nullcontext()
+    from beltsort.ros2.markers import Scene
     from beltsort.ros2.run_node import Parameter, RunDescription, RunNode
 
     description, model = run.description, run.model
@@ -28,4 +29,5 @@ def ros2_node(run: "CellRun") -> "AbstractContextManager[RunNode | None]":
         "positions": model.positions,
         "frame": options.frame,
     }
-    return RunNode(options, RunDescription(run.folder, parameters, run.broken_off), print_status)
+    told = RunDescription(run.folder, parameters, Scene.of(run.cell), model.labels, run.broken_off)
+    return RunNode(options, told, print_status)

@@ -151,6 +151,7 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
                     *((*watching.listeners, node, signs.listen, display), operator, signs.check),
                     allow_hold=arguments.allow_hold,
                     recorder=recorder,
+                    scan_listener=None if node is None else node.scanned,
                 )
         except HeldError as held:
             print_status(f"beltsort: {held}")

@@ -1,6 +1,6 @@
 """The node of a run: a listener of its journal, and requests of other nodes to hold and continue it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,13 +9,16 @@ from threading import Lock, Thread
 from types import TracebackType
 from typing import Self
 
+from beltsort.cell.protocols import Scan
 from beltsort.drivers.ros.process import NodeProcess
 from beltsort.drivers.ros2.link import node_program
 from beltsort.errors import CellError
-from beltsort.ros2.messages import BELIEF, DECISION, STATE, RunMessages
+from beltsort.ros2.markers import MARKERS, Scene, SeenScan, markers_of
+from beltsort.ros2.messages import BELIEF, DECISION, STATE, Published, RunMessages
 from beltsort.ros2.options import NodeOptions
-from beltsort.sorting.entries import StateChanged
+from beltsort.sorting.entries import Scanned, StateChanged
 from beltsort.sorting.journal import Entry
+from beltsort.sorting.perceived import PerceivedPosition
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.requests import Action, Request, takes_requests, write_request
 
@@ -40,12 +43,18 @@ class RunDescription:
         Folder of the run, in which requests are left.
     parameters
         The node's read-only parameters.
+    scene
+        Belt and viewpoints.
+    labels
+        Names of the model's labels.
     broken_off
         Progress of the run that is resumed; None for a new run.
     """
 
     folder: Path
     parameters: Mapping[str, Parameter]
+    scene: Scene
+    labels: Sequence[str]
     broken_off: Progress | None = None
 
 
@@ -68,7 +77,7 @@ class RunNode:
 
     def __init__(self, options: NodeOptions, run: RunDescription, say: Callable[[str], None]) -> None:
         self._options, self._run, self._say = options, run, say
-        self._queue: Queue[Entry | None] = Queue(QUEUED)
+        self._queue: Queue[Entry | SeenScan | None] = Queue(QUEUED)
         self._messages = RunMessages()
         if run.broken_off is not None:
             self._messages.resume(run.broken_off)
@@ -100,10 +109,18 @@ class RunNode:
 
     def __call__(self, entry: Entry) -> None:
         """Let an entry be published."""
+        self._put(entry)
+
+    def scanned(self, entry: Entry, scan: Scan, perceived: Sequence[PerceivedPosition]) -> None:
+        """Let the candidates of a scan be shown."""
+        if isinstance(entry.content, Scanned):
+            self._put(SeenScan.of(entry.content, scan, perceived))
+
+    def _put(self, what: Entry | SeenScan) -> None:
         if self._given_up:
             return
         try:
-            self._queue.put_nowait(entry)
+            self._queue.put_nowait(what)
         except Full:
             self._give_up(f"{QUEUED} entries of the journal wait for it")
 
@@ -115,8 +132,12 @@ class RunNode:
             return
         Thread(target=self._take_requests, args=[process], name="ros2-requests", daemon=True).start()
         try:
-            while not self._given_up and (entry := self._queue.get()) is not None:
-                self._publish(process, entry)
+            self._send(process, self._markers(None))
+            while not self._given_up and (what := self._queue.get()) is not None:
+                if isinstance(what, SeenScan):
+                    self._send(process, self._markers(what))
+                else:
+                    self._publish(process, what)
         except Exception as failure:  # likewise
             self._give_up(failure)
         process.end()
@@ -124,16 +145,22 @@ class RunNode:
     def _started(self) -> NodeProcess:
         setup = {
             "name": self._options.name,
-            "publish": [list(topic) for topic in (STATE, BELIEF, DECISION)],
+            "publish": [list(topic) for topic in (STATE, BELIEF, DECISION, MARKERS)],
             "parameters": dict(self._run.parameters),
         }
         return NodeProcess(node_program(self._options, PROGRAM), setup, START_TIMEOUT)
 
     def _publish(self, process: NodeProcess, entry: Entry) -> None:
-        for topic, message in self._messages.read(entry):
-            process.ask("publish", PUBLISH_TIMEOUT, topic=topic, message=message)
+        for published in self._messages.read(entry):
+            self._send(process, published)
         if isinstance(entry.content, StateChanged):
             process.ask("follow", PUBLISH_TIMEOUT, held=self._messages.held)
+
+    def _markers(self, seen: SeenScan | None) -> Published:
+        return markers_of(self._run.scene, self._options.frame, self._run.labels, seen)
+
+    def _send(self, process: NodeProcess, published: Published) -> None:
+        process.ask("publish", PUBLISH_TIMEOUT, topic=published.topic, message=published.message)
 
     def _take_requests(self, process: NodeProcess) -> None:
         """Do what other nodes ask for, as long as the node lives; the other thread tells of its end."""

@@ -23,6 +23,7 @@ TOPICS = {
     "state": "diagnostic_msgs/DiagnosticArray",
     "belief": "std_msgs/Float64MultiArray",
     "decision": "diagnostic_msgs/DiagnosticArray",
+    "markers": "visualization_msgs/MarkerArray",
 }
 TRANSITIONS = {"configure": 1, "cleanup": 2, "activate": 3, "deactivate": 4}
 """Numbers of lifecycle_msgs/Transition."""

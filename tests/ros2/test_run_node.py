@@ -14,8 +14,9 @@ import pytest
 
 from beltsort.cell import within
 from beltsort.models import paper
+from beltsort.ros2.markers import Scene
 from beltsort.ros2.options import NodeOptions
-from beltsort.ros2.run_node import QUEUED, RunDescription, RunNode
+from beltsort.ros2.run_node import QUEUED, Parameter, RunDescription, RunNode
 from beltsort.sorting.entries import Ended
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.report import SortingReport
@@ -92,9 +93,14 @@ def looker(domain: int, tmp_path: Path) -> Iterator[Looker]:
     found.process.wait()
 
 
+def described(folder: Path) -> RunDescription:
+    model = paper()
+    parameters: dict[str, Parameter] = {"classes": list(model.classes)}
+    return RunDescription(folder, parameters, Scene.of(ScriptedCell(model)), model.labels)
+
+
 def node_of(domain: int, folder: Path, said: list[str]) -> RunNode:
-    described = RunDescription(folder, {"classes": list(paper().classes)})
-    return RunNode(NodeOptions(python=PYTHON, domain_id=domain), described, said.append)
+    return RunNode(NodeOptions(python=PYTHON, domain_id=domain), described(folder), said.append)
 
 
 class SlowRun(AbstractContextManager["SlowRun"]):
@@ -152,6 +158,8 @@ def test_a_run_is_published_also_for_those_that_come_later(
         assert [pair["size"] for pair in found["belief"][-1]["layout"]["dim"]] == [2, 4]
         assert sum(found["belief"][-1]["data"]) == pytest.approx(2.0)
         assert looker.latest("state")["empty"] == "1"
+        kinds = [marker["ns"] for marker in found["markers"][-1]["markers"]]
+        assert kinds == ["belt", "positions", "positions"]  # no scan is given, and no pose is known
         told = looker.tell(parameter="classes")
         assert told["value"] == list(paper().classes)
         assert not told["success"]
@@ -195,7 +203,7 @@ def test_a_killed_node_ends_no_run(domain: int, tmp_path: Path) -> None:
 def test_a_node_that_does_not_start_is_told_once(tmp_path: Path) -> None:
     said: list[str] = []
     options = NodeOptions(python=str(tmp_path / "none"))
-    with RunNode(options, RunDescription(tmp_path, {}), said.append) as node:
+    with RunNode(options, described(tmp_path), said.append) as node:
         wait_until(lambda: said, "it is told")
         assert len(run_of(tmp_path, node).decisions) == 3
     assert len(said) == 1
@@ -204,7 +212,7 @@ def test_a_node_that_does_not_start_is_told_once(tmp_path: Path) -> None:
 
 def test_a_node_that_falls_behind_is_given_up(tmp_path: Path) -> None:
     said: list[str] = []
-    node = RunNode(NodeOptions(), RunDescription(tmp_path, {}), said.append)
+    node = RunNode(NodeOptions(), described(tmp_path), said.append)
     for number in range(QUEUED + 10):
         node(Entry(number, "2026-01-01T00:00:00+00:00", None, Ended("done")))
     assert len(said) == 1

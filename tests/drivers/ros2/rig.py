@@ -70,7 +70,7 @@ class Rig(PeerRig):
 def require_ros2() -> None:
     """End the test where ROS 2 is missing."""
     packages = {path.name for path in Path(PYTHON).parents[1].glob("lib/python*/site-packages/*")}
-    lacking = {"rclpy", "tf2_msgs", "control_msgs"} - packages
+    lacking = {"rclpy", "tf2_msgs", "control_msgs", "visualization_msgs"} - packages
     if lacking:
         reason = f"{', '.join(sorted(lacking))} missing in {PYTHON}; see scripts/bootstrap"
         (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)
