@@ -122,7 +122,12 @@ class SlowRun(AbstractContextManager["SlowRun"]):
         with taking_requests(self.folder):
             try:
                 self.report = sort_into(
-                    *sorted_with, objects=OBJECTS, listener=self.node, check=check, requests=self.folder
+                    *sorted_with,
+                    objects=OBJECTS,
+                    listener=self.node,
+                    check=check,
+                    requests=self.folder,
+                    scan_listener=self.node.scanned,
                 )
             except KeyboardInterrupt:
                 return
@@ -176,6 +181,8 @@ def test_deactivate_holds_and_activate_continues(domain: int, looker: Looker, tm
         wait_until(lambda: looker.latest("state").get("state") == "Held", "the run is held")
         assert looker.tell()["state"][-1]["level"] == 1
         assert run.stands()
+        shown = {marker["ns"] for marker in looker.tell()["markers"][-1]["markers"]}
+        assert {"candidates", "labels"} <= shown
         request = read_request(tmp_path)
         assert request is not None
         assert "ROS 2 node beltsort" in request.by
