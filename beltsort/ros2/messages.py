@@ -23,6 +23,7 @@ from beltsort.sorting.entries import (
 from beltsort.sorting.entry_text import EntryFormatter, in_words
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.progress import Progress
+from beltsort.sorting.settling import Question, question_after
 
 Plain: TypeAlias = "str | int | float | Sequence[Plain] | Mapping[str, Plain]"
 """A field of a message: messages are dictionaries."""
@@ -73,11 +74,12 @@ class RunMessages:
     held
         Whether the run is held.
     question
-        Whether it is held until a person answers a question; a request to continue is then no answer.
+        The question at which it is held, to which a request to continue is no answer; None if there is none.
     """
 
     def __init__(self) -> None:
-        self.held = self.question = False
+        self.held = False
+        self.question: Question | None = None
         self._formatter = EntryFormatter()
         self._counts = RunCounts()
         self._run, self._state, self._reason = "", State.EXECUTE, ""
@@ -121,13 +123,13 @@ class RunMessages:
 
     def _count(self, entry: Entry) -> None:
         """Update state and counts."""
+        self.question = question_after(self.question, entry)
         match entry.content:
             case Started(objects=objects) | Resumed(objects=objects):
                 self._objects = objects
-            case StateChanged(state, reason) as changed:
+            case StateChanged(state, reason):
                 self._state, self._reason = state, in_words(reason)
                 self.held = state is State.HELD
-                self.question = self.held and bool(changed.ways)
             case Decided(forced=forced):
                 self._counts.sorted += 1
                 self._counts.forced += int(forced is not None)

@@ -175,7 +175,7 @@ class RunNode:
         """Leave a request for the run; return why it is refused, empty if it is not."""
         if not takes_requests(self._run.folder):
             return "it takes no requests; start it with --allow-hold"
-        if self._messages.question:
+        if self._messages.question is not None:
             return "it waits for an answer; `beltsort status` says for which"
         try:
             write_request(self._run.folder, Request.now(action, f"ROS 2 node {self._options.name}"))

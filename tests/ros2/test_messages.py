@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from beltsort.ros2.messages import BELIEF, DECISION, STATE, Published, RunMessages
+from beltsort.ros2.messages import BELIEF, DECISION, STATE, WARN, Published, RunMessages
+from beltsort.sorting.holds import HeldError
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.record import progress_in
@@ -48,9 +49,14 @@ def test_states_beliefs_and_decisions_of_a_run(tmp_path: Path) -> None:
 
 
 def test_a_resumed_run_counts_on(tmp_path: Path) -> None:
-    with pytest.raises(Exception, match="bin is full"):
-        run_of(tmp_path, None, refused=9)
-    messages, entries = RunMessages(), list[Entry]()
+    before, messages, entries = RunMessages(), RunMessages(), list[Entry]()
+    with pytest.raises(HeldError, match="bin is full"):
+        run_of(tmp_path, entries.append, refused=9)
+    held: Any = all_of(before, entries)[STATE.name][-1].message
+    assert held["status"][0]["level"] == WARN
+    assert before.held
+    assert before.question is not None
+    entries.clear()
     broken_off = progress_in(tmp_path / JOURNAL)
     messages.resume(broken_off)
     resumed(tmp_path, entries.append, first=broken_off.index)
