@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
@@ -184,10 +185,10 @@ def test_workers_leave_ctrl_c_to_the_parent(monkeypatch: pytest.MonkeyPatch, sma
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def note_process(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> list[object]:
+def note_process(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> collect.TrainingViews:
     (Path(os.environ["MARKS"]) / str(os.getpid())).touch()
     time.sleep(0.02)
-    return []
+    return collect.TrainingViews([], [], Counter())
 
 
 WITH_WORKERS = """
@@ -215,12 +216,12 @@ def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
 FREE = 4
 
 
-def leave_a_mark(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> list[object]:
+def leave_a_mark(_config: CellConfig, _perception: PerceptionConfig, work: Round) -> collect.TrainingViews:
     """Leave a mark; after the first few rounds, never end."""
     (Path(os.environ["MARKS"]) / str(work.number)).touch()
     if work.number >= FREE:
         Event().wait()
-    return []
+    return collect.TrainingViews([], [], Counter())
 
 
 def test_after_ctrl_c_no_further_rounds_are_begun(

@@ -1,6 +1,5 @@
 """One run, one process; one live device, one run."""
 
-import fcntl
 import hashlib
 import json
 import os
@@ -10,8 +9,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-
-from filelock import FileLock, Timeout
 
 from beltsort.cell.protocols import Addressed
 from beltsort.errors import InUseError
@@ -48,6 +45,8 @@ def locked(what: str, path: Path) -> Iterator[None]:
     InUseError
         If another process holds it, with that process's id.
     """
+    from filelock import FileLock, Timeout  # here, as commands that plan do without it
+
     holder = _holder_file(path)
     lock = FileLock(path, timeout=LOCK_TIMEOUT, mode=0o666)
     try:
@@ -90,6 +89,8 @@ def devices_locked(devices: Iterable[object]) -> Iterator[None]:
 
 def in_use(path: Path) -> bool:
     """Whether a process holds a lock. Nothing is written, and the lock is free again when this returns."""
+    import fcntl  # here, as there is none on Windows, where planning works
+
     try:
         descriptor = os.open(path, os.O_RDONLY)
     except OSError:

@@ -92,7 +92,7 @@ def test_plan_in_words() -> None:
     text = output("plan", PAPER, "--viewpoint", "p2", "--trials", "20")
     assert "The camera stands at p2." in text
     assert "Next: move to p3 and scan." in text
-    assert re.search(r"position +elongated +livarno +mushroom +standard\n +0 +0.250 +0.250", text)
+    assert re.search(r"position +elongated +livarno +mushroom +standard\n +1 +0.250 +0.250", text)
     assert re.search(r"sort as standard +-\d+\.\d", text)
     assert "20 trials" in text
 
@@ -148,7 +148,7 @@ def test_evaluate_draws_from_the_classes_named() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["plan", "absent.json"], r"absent\.json\b.*No such file"),
+        (["plan", "absent.json"], r"absent\.json\b.*neither a file nor a packaged model"),
         (["plan", PAPER, "--viewpoint", "q3"], r"viewpoint 'q3'.*'p3'.*\bp1, p2, p3\b"),
         (["plan", PAPER, "--viewpoint", "3"], r"viewpoint '3'.*\bp1, p2, p3\b.*\b0\b.*\b2\b"),
         (["plan", PAPER, "--observe", "p1=livrano,-"], "label 'livrano'.*'livarno'"),

@@ -5,11 +5,15 @@ import os
 import signal
 import subprocess
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
 from beltsort.cell import within
 from tests.waiting import PATIENCE, wait_until
+
+ON_THE_WAY = 0.2
+"""Seconds within which what was sent has arrived."""
 
 
 class PeerRig:
@@ -55,7 +59,9 @@ class PeerRig:
         process.wait()
 
     def freeze(self) -> None:
+        """Stop the peer, and let arrive what it has sent: it is older than the commands after it."""
         os.kill(self.peer.pid, signal.SIGSTOP)
+        time.sleep(ON_THE_WAY)
 
     def thaw(self) -> None:
         os.kill(self.peer.pid, signal.SIGCONT)
