@@ -140,7 +140,7 @@ MOUNTS = """\
 22 1 8:1 / / rw,relatime shared:1 - ext4 /dev/sda1 rw
 45 22 0:40 / /mnt/my\\040share rw,relatime shared:2 - nfs4 server:/share rw
 46 22 0:41 / /mnt/my\\040share/local rw - tmpfs tmpfs rw
-47 22 0:42 / /home/me/remote rw - fuse.sshfs me@server: rw
+47 22 0:42 / /mnt/remote rw - fuse.sshfs user@server: rw
 """
 
 
@@ -150,8 +150,8 @@ MOUNTS = """\
         ("/var/runs", "ext4", False),
         ("/mnt/my share/runs", "nfs4", True),
         ("/mnt/my share/local/runs", "tmpfs", False),
-        ("/home/me/remote", "fuse.sshfs", True),
-        ("/home/me/remotes", "ext4", False),
+        ("/mnt/remote", "fuse.sshfs", True),
+        ("/mnt/remotes", "ext4", False),
     ],
 )
 def test_network_disks_are_known_by_their_mounts(
