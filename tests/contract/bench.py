@@ -67,6 +67,17 @@ class Bench(Generic[Kind]):
         """Return what became of a command that was sent after this bench was made."""
         return Outcome(self.device.outcome_of(command_id, self._boot_id))
 
+    def await_restart(self, boot_id: str) -> None:
+        """Wait until the device tells the restarted peer from the one with this boot id."""
+
+        def told() -> bool:
+            try:
+                return bool(self.device.health().boot_id != boot_id)
+            except CommandError:  # the peer has not been found yet
+                return False
+
+        wait_until(told, f"the {self.role} is known to have been restarted")
+
     @property
     def world(self) -> int:
         return self.peer.world(self.role)

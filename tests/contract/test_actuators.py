@@ -122,7 +122,7 @@ def test_a_killed_peer_leaves_the_command_unsettled(bench: Bench[ProcessPeer]) -
     bench.peer.restart()
     assert bench.outcome_of(command_id) is not Outcome.DONE
     assert bench.outcome_of(earlier) is not Outcome.NOT_DONE
-    assert bench.device.health().boot_id != boot_id
+    bench.await_restart(boot_id)
     if bench.role == "sorter" or not isinstance(bench.peer, RosPeer):
         world = bench.world
         with pytest.raises(CommandError, match=r"\bbefore\b.*\brestarted\b") as error:
