@@ -36,9 +36,18 @@ def test_a_missing_file_is_told_from_the_nearest_in_its_folder(tmp_path: Path) -
     models.paper().save(tmp_path / "model.json")
     for name in ("other.json", "rows.csv"):
         (tmp_path / name).write_text("{}")
-    with pytest.raises(ModelError, match=r"modle\.json: neither .* mean '.*/model\.json'\?") as raised:
+    with pytest.raises(
+        ModelError, match=r"modle\.json: there is no such file; did you mean '.*/model\.json'\?"
+    ) as raised:
         models.load(tmp_path / "modle.json")
     assert "other.json" in str(raised.value)
     assert "rows.csv" not in str(raised.value)
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    with pytest.raises(
+        ModelError,
+        match=r"m\.json: there is no such file; there is no model file in .*; packaged models: paper",
+    ):
+        models.load(alone / "m.json")
     with pytest.raises(ModelError, match=r"there is no directory .*/nowhere; correct the path"):
         models.load(tmp_path / "nowhere" / "model.json")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from beltsort import ArgumentError, SortingModel
+from beltsort import ArgumentError, SortingModel, models
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.sections import Planner
@@ -18,7 +18,7 @@ from beltsort.sorting.runs import POLICY
 
 def model_file(description: CellDescription) -> SortingModel:
     """Load the model that a cell file names."""
-    return SortingModel.load(description.path(description.model or ""))
+    return models.load(description.path(description.model or ""))
 
 
 def policy_of(description: CellDescription, model: SortingModel, resume: Path | None) -> tuple[Policy, str]:

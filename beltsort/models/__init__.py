@@ -61,8 +61,8 @@ def load(name: str | PathLike[str]) -> SortingModel:
     Raises
     ------
     ModelError
-        As `SortingModel.load`. Where there is neither such a file nor a packaged model, the message names the
-        nearest of the packaged models and of the JSON files in the file's folder.
+        As `SortingModel.load`. Where there is no such file, the message names the nearest JSON files in its
+        folder, and, for a name without folder and suffix, the nearest of the packaged models.
 
     Examples
     --------
@@ -78,6 +78,9 @@ def load(name: str | PathLike[str]) -> SortingModel:
         raise ModelError(f"{name!s}: there is no directory {path.parent}; correct the path")
     files_there = sorted(str(found) for found in path.parent.glob("*.json"))
     near = get_close_matches(str(path), files_there, n=FILES_NAMED, cutoff=0.0)
-    raise ModelError(
-        f"{name!s}: neither a file nor a packaged model; {nearest_of(str(name), [*PACKAGED, *near])}"
-    )
+    if str(name) == path.stem:
+        raise ModelError(
+            f"{name!s}: neither a file nor a packaged model; {nearest_of(str(name), [*PACKAGED, *near])}"
+        )
+    known = nearest_of(str(path), near) if near else f"there is no model file in {path.parent}"
+    raise ModelError(f"{name!s}: there is no such file; {known}; packaged models: {', '.join(PACKAGED)}")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import beltsort
-from beltsort import Policy, SortingModel
+from beltsort import Policy, SortingModel, models
 from beltsort.errors import SweepError
 from beltsort.planning.decisions import right_bins
 from beltsort.planning.named_policy import named_policy
@@ -79,7 +79,7 @@ def model_of(point: Point, prepared: Prepared | None = None) -> SortingModel:
     changes = section_of(point, "model")
     file, positions = changes.pop("file", None), changes.pop("positions", None)
     if file is not None or prepared is None:
-        model = SortingModel.load(file)
+        model = models.load(file)
     else:
         config = config_of(point)
         model = prepared.counts.model(config.classes, [viewpoint.name for viewpoint in config.viewpoints])

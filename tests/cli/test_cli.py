@@ -148,7 +148,7 @@ def test_evaluate_draws_from_the_classes_named() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["plan", "absent.json"], r"absent\.json\b.*neither a file nor a packaged model"),
+        (["plan", "absent.json"], r"absent\.json\b.*there is no such file"),
         (["plan", PAPER, "--viewpoint", "q3"], r"viewpoint 'q3'.*'p3'.*\bp1, p2, p3\b"),
         (["plan", PAPER, "--viewpoint", "3"], r"viewpoint '3'.*\bp1, p2, p3\b.*\b0\b.*\b2\b"),
         (["plan", PAPER, "--observe", "p1=livrano,-"], "label 'livrano'.*'livarno'"),

@@ -47,6 +47,14 @@ def test_an_unknown_keyword_is_told_the_nearest(name: str, given: str, meant: st
         call(*arguments, **{given: 4})
 
 
+@pytest.mark.parametrize("policy", [beltsort.Threshold, beltsort.InformationGain])
+def test_a_misspelt_threshold_is_told_before_the_missing_one(policy: Callable[..., Any]) -> None:
+    with pytest.raises(TypeError, match="no parameter 'treshold'; did you mean 'threshold'"):
+        policy(MODEL, treshold=0.9)
+    with pytest.raises(TypeError, match=f'{policy.__name__} needs the argument "threshold"'):
+        policy(MODEL)
+
+
 def test_a_changed_model_suggests_them_too() -> None:
     with pytest.raises(TypeError, match="'discuont'; did you mean 'discount'"):
         MODEL.replace(discuont=0.9)

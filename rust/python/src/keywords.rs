@@ -15,3 +15,11 @@ pub fn refuse(unknown: Option<&Bound<'_, PyDict>>, owner: &str) -> PyResult<()> 
     let message = unknown.py().import(MODULE)?.call_method1("unknown_keyword", (owner, unknown))?;
     Err(PyTypeError::new_err(message.extract::<String>()?))
 }
+
+/// The value of a parameter that has no default. The signature gives it one, so that a misspelt keyword is refused
+/// before a missing one.
+pub fn required<T>(value: Option<T>, owner: &str, parameter: &str) -> PyResult<T> {
+    value.ok_or_else(|| {
+        PyTypeError::new_err(format!("{owner} needs the argument {parameter:?}; give it a value"))
+    })
+}

@@ -58,14 +58,15 @@ pub struct PyThreshold {
 #[pymethods]
 impl PyThreshold {
     #[new]
-    #[pyo3(signature = (model, threshold, viewpoint=None, **unknown), text_signature = "(model, threshold, viewpoint=None)")]
+    #[pyo3(signature = (model, threshold=None, viewpoint=None, **unknown), text_signature = "(model, threshold, viewpoint=None)")]
     fn new(
         model: &PySortingModel,
-        threshold: f64,
+        threshold: Option<f64>,
         viewpoint: Option<Named>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         keywords::refuse(unknown, "Threshold")?;
+        let threshold = keywords::required(threshold, "Threshold", "threshold")?;
         let viewpoint = viewpoint.map(|viewpoint| viewpoint.viewpoint(&model.0)).transpose()?;
         let policy = Threshold::new(&model.0, threshold, viewpoint).map_err(to_python)?;
         let viewpoint = viewpoint.map(|viewpoint| viewpoint.0);
@@ -155,16 +156,17 @@ pub struct PyInformationGain {
 #[pymethods]
 impl PyInformationGain {
     #[new]
-    #[pyo3(signature = (model, threshold, positions=DEFAULT_INFORMATION_POSITIONS as Whole, *, about="class", **unknown),
+    #[pyo3(signature = (model, threshold=None, positions=DEFAULT_INFORMATION_POSITIONS as Whole, *, about="class", **unknown),
            text_signature = "(model, threshold, positions=..., *, about='class')")]
     fn new(
         model: &PySortingModel,
-        threshold: f64,
+        threshold: Option<f64>,
         positions: Whole,
         about: &str,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         keywords::refuse(unknown, "InformationGain")?;
+        let threshold = keywords::required(threshold, "InformationGain", "threshold")?;
         let positions = count("positions", positions)?;
         let question = match about {
             "class" => Question::Class,
