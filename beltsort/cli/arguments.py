@@ -27,6 +27,16 @@ def add_json(parser: ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print exactly one JSON object")
 
 
+def add_whole_tree(parser: ArgumentParser) -> None:
+    """Add `--whole-tree`."""
+    parser.add_argument(
+        "--whole-tree",
+        action="store_true",
+        help="with --json, print the searched tree with all actions and branches (default: the values of "
+        "all actions, and what is likely to follow the chosen one)",
+    )
+
+
 MODEL_HELP = f"a model file (JSON), or the name of a packaged model: {', '.join(models.PACKAGED)}"
 
 

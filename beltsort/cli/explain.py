@@ -4,11 +4,11 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from beltsort._core import DEFAULT_TREE_DEPTH
-from beltsort.cli.arguments import Subparsers, add_json
+from beltsort.cli.arguments import Subparsers, add_json, add_whole_tree
 from beltsort.cli.output import action_as_json, print_json, print_table
 from beltsort.cli.show import add_run
 from beltsort.planning.display.text import belief_lines
-from beltsort.planning.explanation import action_in_words, chosen_part, explain, tree_in_names
+from beltsort.planning.explanation import action_in_words, explain, tree_in_names
 from beltsort.sorting.audit import (
     Step,
     entries_of,
@@ -48,12 +48,7 @@ def add_parser(subparsers: Subparsers) -> None:
         metavar="D",
         help="planner steps to explain (default: %(default)s)",
     )
-    parser.add_argument(
-        "--whole-tree",
-        action="store_true",
-        help="with --json, print the searched tree with all actions and branches (default: the values of "
-        "the step's actions, and what is likely to follow the chosen one)",
-    )
+    add_whole_tree(parser)
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -135,9 +130,6 @@ def show_run(entries: Sequence[Entry], depth: int) -> None:
 def as_json(step: Step, depth: int, *, whole_tree: bool) -> dict[str, object]:
     """Return the step as plain data."""
     plan = step.plan_again()
-    tree = None if plan is None else plan.tree(depth)
-    if plan is not None and tree is not None and not whole_tree:
-        tree = chosen_part(tree, plan.action)
     return {
         "step": step.number,
         "time": step.entry.time,
@@ -148,7 +140,7 @@ def as_json(step: Step, depth: int, *, whole_tree: bool) -> dict[str, object]:
         "reason": step.reason,
         "drift_alarms": step.alarms,
         "same_again": None if plan is None else plan.action == step.action,
-        "tree": None if tree is None else tree_in_names(step.model, tree),
+        "tree": None if plan is None else tree_in_names(step.model, plan, depth, whole_tree=whole_tree),
     }
 
 

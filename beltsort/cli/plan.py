@@ -11,6 +11,7 @@ from beltsort.cli.arguments import (
     add_budget,
     add_json,
     add_model,
+    add_whole_tree,
     budget_of,
     load_model,
 )
@@ -72,6 +73,7 @@ def add_parser(subparsers: Subparsers) -> None:
         metavar="D",
         help="planner steps that --explain covers (default: %(default)s)",
     )
+    add_whole_tree(parser)
     add_json(parser)
     parser.set_defaults(run=run)
 
@@ -94,8 +96,10 @@ def run(arguments: Namespace) -> int:
     )
     plan = planner.plan(belief, viewpoint)
     if arguments.json:
-        tree = {"tree": tree_in_names(model, plan.tree(arguments.depth))} if arguments.explain else {}
-        print_json(as_json(model, belief, viewpoint, plan) | tree)
+        printed = as_json(model, belief, viewpoint, plan)
+        if arguments.explain:
+            printed["tree"] = tree_in_names(model, plan, arguments.depth, whole_tree=arguments.whole_tree)
+        print_json(printed)
         return 0
     show(model, belief, viewpoint, plan)
     if arguments.explain:

@@ -88,16 +88,30 @@ def action_in_words(model: SortingModel, action: Move | Decide) -> str:
             return f"sort into {_bin_in_words(model, index)}"
 
 
-def tree_in_names(model: SortingModel, tree: TreeNode) -> dict[str, Any]:
-    """Return the tree with names of viewpoints, labels, classes and bins in place of indices."""
+def tree_in_names(
+    model: SortingModel, plan: Plan, depth: int = DEFAULT_TREE_DEPTH, *, whole_tree: bool = False
+) -> dict[str, Any]:
+    """Return the searched tree with names of viewpoints, labels, classes and bins in place of indices.
 
+    Parameters
+    ----------
+    model, plan, depth
+        As of `explain`.
+    whole_tree
+        All actions and branches instead of `chosen_part`.
+    """
+    tree = plan.tree(depth)
+    return _in_names(model, tree if whole_tree else chosen_part(tree, plan.action))
+
+
+def _in_names(model: SortingModel, tree: TreeNode) -> dict[str, Any]:
     def action_in_names(action: TreeAction) -> dict[str, Any]:
         ((kind, index),) = action["action"].items()
         name = (model.viewpoints if kind == "move" else model.bins)[index]
         return {**action, "action": {kind: name}, "branches": [*map(branch_in_names, action["branches"])]}
 
     def branch_in_names(branch: TreeBranch) -> dict[str, Any]:
-        return {**branch, "labels": _names(model, branch), "node": tree_in_names(model, branch["node"])}
+        return {**branch, "labels": _names(model, branch), "node": _in_names(model, branch["node"])}
 
     return {
         **tree,

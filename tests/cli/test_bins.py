@@ -56,7 +56,7 @@ def test_a_class_is_no_label(file: str, capsys: pytest.CaptureFixture[str]) -> N
 
 def test_plan_names_classes_and_bins(file: str, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--trials", "20", *["--observe", "front=metal, round,metal"] * 3]
-    text = said(capsys, "plan", file, *options, "--explain")
+    text = said(capsys, "plan", file, *options, "--explain", "--whole-tree")
     assert text.splitlines()[1].split() == ["position", "nut", "bolt", "cap"]
     for expected in (
         "Next: sort into bin steel.",
@@ -66,7 +66,7 @@ def test_plan_names_classes_and_bins(file: str, capsys: pytest.CaptureFixture[st
         "the next object is ",
     ):
         assert expected in text
-    result = json_said(capsys, "plan", file, *options, "--explain")
+    result = json_said(capsys, "plan", file, *options, "--explain", "--whole-tree")
     assert result["action"] == {"decide": "steel"}
     assert list(result["belief"][0]) == MODEL.classes
     named = [value["action"].get("decide") for value in result["values"]]

@@ -74,7 +74,7 @@ def beliefs(node: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def test_as_data(paper: beltsort.SortingModel) -> None:
-    tree = json_of(*SEEN, "--explain", "--depth", "1")["tree"]
+    tree = json_of(*SEEN, "--explain", "--depth", "1", "--whole-tree")["tree"]
     expected = planned(paper).tree(1)
     assert [list(row.values()) for row in tree["belief"]] == expected["belief"]
     assert tree["actions"][0]["action"] == {"decide": "mushroom"}
@@ -84,6 +84,11 @@ def test_as_data(paper: beltsort.SortingModel) -> None:
     assert {node["viewpoint"] for node in beliefs(tree)} == set(paper.viewpoints)
     assert len(list(beliefs(tree))) == 1 + sum(len(action["branches"]) for action in expected["actions"])
     assert "tree" not in json_of(*SEEN)
+    part = json_of(*SEEN, "--explain")["tree"]
+    assert [action["value"] for action in part["actions"]] == [
+        action["value"] for action in expected["actions"]
+    ]
+    assert sum(bool(action["branches"]) for action in part["actions"]) == 1
 
 
 def test_a_bad_depth_is_one_line() -> None:
