@@ -1,27 +1,15 @@
 """The built-in back-ends for real cells."""
 
 from collections.abc import Mapping
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
+from beltsort.cellfile.paths import resolved
 from beltsort.cellfile.registry import Backend, backend_of
 from beltsort.cellfile.validation import validated
 from beltsort.drivers import modbus, opcua, replay, ros1, ros2
 
 if TYPE_CHECKING:
     from beltsort.cellfile.description import CellDescription
-
-FILES = ("certificate", "private_key", "trust", "path", "setup")
-"""Options that are paths; relative paths are relative to the cell file."""
-
-Options = TypeVar("Options", bound=Any)
-
-
-def resolved(options: Options, cell: "CellDescription") -> Options:
-    """Return the options with paths resolved relative to the cell file."""
-    named = [field.name for field in fields(options) if field.name in FILES and getattr(options, field.name)]
-    changed: Options = replace(options, **{name: str(cell.path(getattr(options, name))) for name in named})
-    return changed
 
 
 def with_viewpoints(given: Mapping[str, object], cell: "CellDescription") -> Mapping[str, object]:

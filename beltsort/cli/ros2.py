@@ -12,13 +12,14 @@ if TYPE_CHECKING:
 
 def ros2_node(run: "CellRun") -> "AbstractContextManager[RunNode | None]":
     """Return the node of a run, which runs as long as the context; nothing unless the cell file has one."""
-    options = run.description.ros2
-    if options is None:
+    if run.description.ros2 is None:
         return nullcontext()
+    from beltsort.cellfile.paths import resolved
     from beltsort.ros2.markers import Scene
     from beltsort.ros2.run_node import Parameter, RunDescription, RunNode
 
     description, model = run.description, run.model
+    options = resolved(run.description.ros2, description)
     parameters: dict[str, Parameter] = {
         "run": run.folder.name,
         "policy": run.policy_name,

@@ -20,8 +20,10 @@ def ros2_file(folder: Path, table: str) -> str:
 def test_a_run_without_its_node_goes_on_and_says_so_once(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["run", ros2_file(folder, 'python = "/no/python"'), "--objects", "1"]) == 0
-    assert capsys.readouterr().err.count("no longer published on ROS 2") == 1
+    assert main(["run", ros2_file(folder, 'python = "no/python"'), "--objects", "1"]) == 0
+    said = capsys.readouterr().err
+    assert said.count("no longer published on ROS 2") == 1
+    assert str(folder / "cell" / "no" / "python") in said
 
 
 @pytest.mark.parametrize("table", ['name = "a b"', 'frame = ""', "domain_id = 300", 'nmae = "a"'])

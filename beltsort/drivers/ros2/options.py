@@ -22,7 +22,7 @@ class Ros2Options:
         beltsort's own environment has ROS 2.
     python
         Interpreter of the node program, which has rclpy. Empty: python3 of the sourced environment, or
-        without `setup` the Python of beltsort.
+        without `setup` the Python of beltsort. In a cell file, a path with a slash starts at its folder.
     domain_id
         ROS_DOMAIN_ID; by default that of the environment.
     discovery_range
