@@ -39,9 +39,10 @@ class HeldDomain:
 
 
 class Rig(PeerRig):
-    """Starts, freezes and kills a peer."""
+    """Starts, freezes and kills a peer: that of this folder, or another program that does what it does."""
 
-    def __init__(self, directory: Path) -> None:
+    def __init__(self, directory: Path, *peer: str) -> None:
+        self._command = peer or (PYTHON, str(PEER))
         self._held = HeldDomain()
         self.domain = self._held.number
         ros = {
@@ -53,7 +54,7 @@ class Rig(PeerRig):
         self.start_peer()
 
     def start_peer(self) -> subprocess.Popen[str]:
-        return self._started(PYTHON, str(PEER))
+        return self._started(*self._command)
 
     def mend(self) -> None:
         """See to it that the peer runs and does what it does at first."""
