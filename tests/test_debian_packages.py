@@ -70,10 +70,11 @@ def made_here() -> set[str]:
 
 
 def of_ros2() -> set[str]:
-    """Return the modules that scripts/ros2-packages.txt provides: ros-std-msgs contains std_msgs."""
+    """Return the modules of scripts/ros2-packages.txt (std_msgs of ros-std-msgs) and ros2-interfaces."""
     lines = (ROOT / "scripts" / "ros2-packages.txt").read_text("utf-8").splitlines()
     names = [re.split(r"[\[=]", line)[0] for line in lines if line.startswith("ros-")]
-    return {name.removeprefix("ros-").replace("-", "_") for name in names}
+    built = {folder.name for folder in (ROOT / "scripts" / "ros2-interfaces").iterdir()}
+    return built | {name.removeprefix("ros-").replace("-", "_") for name in names}
 
 
 def unaccounted(files: Iterator[Path]) -> list[str]:

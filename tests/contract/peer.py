@@ -26,7 +26,7 @@ class Peer(ABC):
     """
 
     actuators: ClassVar[Sequence[str]]
-    """Of "arm", "belt" and "sorter"; "arm by action" is another way to command the arm."""
+    """Of "arm", "belt" and "sorter"; "arm by action", for example, is another way to command the arm."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -1,8 +1,9 @@
 """Cells on ROS 1, with a master, and on ROS 2: peers in processes of their own."""
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from beltsort.cell import CommandError
 from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
@@ -21,7 +22,7 @@ SLOW = {"arm": {"speed": 0.15}, "belt": {"travel": 4.0}, "sorter": {"sort": 4.0}
 class RosPeer(SeeingPeer, ProcessPeer):
     """A cell on ROS."""
 
-    actuators = ("arm", "arm by action", "belt", "sorter")
+    actuators: ClassVar[Sequence[str]] = ("arm", "arm by action", "belt", "sorter")
     _rig: rig1.Rig | rig2.Rig
     _devices: dict[str, Any]
 
@@ -136,6 +137,8 @@ class Ros1Peer(RosPeer):
 class Ros2Peer(RosPeer):
     """The peer of tests/drivers/ros2."""
 
+    actuators = (*RosPeer.actuators, "arm by MoveIt")
+
     def __init__(self, folder: Path) -> None:
         rig2.require_ros2()
         super().__init__(folder)
@@ -145,6 +148,7 @@ class Ros2Peer(RosPeer):
         self._devices = {
             "arm": Ros2Arm(scene2.arm(domain)),
             "arm by action": Ros2Arm(scene2.arm(domain, action=True)),
+            "arm by MoveIt": Ros2Arm(scene2.arm_by_moveit(domain)),
             "belt": Ros2Belt(scene2.belt(domain)),
             "sorter": Ros2Sorter(scene2.sorter(domain)),
             "camera": Ros2Camera(scene2.camera_by_tf(domain)),

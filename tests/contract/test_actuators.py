@@ -202,7 +202,7 @@ def test_a_belt_that_goes_too_far_says_where_it_is(bench: Bench[ProcessPeer]) ->
     bench.check(target + 2)
 
 
-@benches([Ros1Peer, Ros2Peer], "arm", "arm by action")
+@benches([Ros1Peer, Ros2Peer], "arm", "arm by action", "arm by MoveIt")
 def test_an_arm_that_stops_elsewhere_says_so(bench: Bench[RosPeer]) -> None:
     command_id, target = new_id(), bench.peer.fresh(bench.role)
     bench.suffers()

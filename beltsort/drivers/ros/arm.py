@@ -49,6 +49,7 @@ class RosArm(RosDevice):
         super().__init__(link("arm", topics), options.joint_topic, options.emergency_stop_topic)
         self._options = options
         self._ledger = Ledger()
+        self._stalled = options.stalled + commanding.pause
         self._publishing, self._stopped = Lock(), False
 
     def stop(self) -> None:
@@ -191,7 +192,7 @@ class RosArm(RosDevice):
         """Return the outcome of a move whose end was not observed, from the arm's position."""
         name = self._options.viewpoints[viewpoint]
         watch, number = self._watch(name), 0
-        deadline = self._soon(self._options.stalled + HEALTH_TIMEOUT)
+        deadline = self._soon(self._stalled + HEALTH_TIMEOUT)
         while (received := self._await(deadline, number)) is not None:
             number = received.number
             motion = watch.see(received.stamp, self._joint_positions(received))
@@ -204,7 +205,7 @@ class RosArm(RosDevice):
 
     def _watch(self, name: str) -> Standstill:
         o = self._options
-        return Standstill(o.taught[name], tolerance=o.tolerance, still=o.still, stalled=o.stalled)
+        return Standstill(o.taught[name], tolerance=o.tolerance, still=o.still, stalled=self._stalled)
 
     def _joint_positions(self, received: Received | None) -> dict[str, float]:
         """Return the positions of the arm's joints."""

@@ -16,6 +16,8 @@ class Commanding(Protocol):
     """The topics or actions that it uses."""
     repeats: bool
     """Whether commands must be repeated during a motion."""
+    pause: float
+    """Longest time for which the arm may plan a motion before it begins, seconds."""
 
     def begin(self, target: Joints) -> Outgoing:
         """Return the message that starts a motion."""

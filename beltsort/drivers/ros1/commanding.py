@@ -24,7 +24,7 @@ class JointCommands:
 
     def __init__(self, topic: str) -> None:
         self.topic = topic
-        self.repeats = True
+        self.repeats, self.pause = True, 0.0
         self.topics = Topics(publish={topic: "baxter_core_msgs/JointCommand"})
         self._target: Joints = {}
 
@@ -61,7 +61,7 @@ class TrajectoryAction:
         self._action, self._seconds = action, seconds
         self.topic = f"{action}/goal"
         self._goal = ""
-        self.repeats = False
+        self.repeats, self.pause = False, 0.0
         self.topics = Topics(
             publish={
                 self.topic: "control_msgs/FollowJointTrajectoryActionGoal",

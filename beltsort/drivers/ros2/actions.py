@@ -60,10 +60,22 @@ class Action:
 
     def _ended(self, goal_id: str, response: Any) -> None:
         status = STATUS.get(response.status, str(response.status))
-        self._put(goal_id, status, getattr(response.result, "error_string", ""))
+        self._put(goal_id, status, explanation(response.result))
 
     def _put(self, goal_id: str, status: str, text: str) -> None:
         self._results.put({"id": goal_id, "status": status, "text": text}, "")
+
+
+def explanation(result: Any) -> str:
+    """Return what a result says: its text, or the name of MoveIt's error code and the text of that.
+
+    Older distributions' moveit_msgs/MoveItErrorCodes have no text.
+    """
+    code: Any = getattr(result, "error_code", 0)
+    if not hasattr(code, "val"):
+        return str(getattr(result, "error_string", ""))
+    known = [name for name in dir(type(code)) if name.isupper() and getattr(type(code), name) == code.val]
+    return f"({', '.join(known) or code.val}) {getattr(code, 'message', '')}".strip()
 
 
 STATUS = {4: "succeeded", 5: "was canceled", 6: "was aborted"}

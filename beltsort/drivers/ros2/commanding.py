@@ -1,5 +1,6 @@
-"""The two interfaces by which arms on ROS 2 are commanded, both with a trajectory of one point."""
+"""The interfaces by which arms on ROS 2 are commanded: a trajectory of one point, or a goal of MoveIt's."""
 
+from collections.abc import Callable
 from typing import Any
 from uuid import uuid4
 
@@ -32,7 +33,7 @@ class TrajectoryTopic:
     def __init__(self, topic: str, seconds: float) -> None:
         self.topic, self._seconds = topic, seconds
         self.topics = Topics(publish={topic: "trajectory_msgs/JointTrajectory"})
-        self.repeats = False
+        self.repeats, self.pause = False, 0.0
 
     def begin(self, target: Joints) -> Outgoing:
         """Return the trajectory to the target."""
@@ -49,8 +50,8 @@ class TrajectoryTopic:
         """Return None: the end shows only in the joint states."""
 
 
-class TrajectoryAction:
-    """A trajectory as the goal of an action.
+class GoalAction:
+    """A motion as the goal of an action.
 
     The end of a goal is known from its result, or, if that was lost, from the action's status topic, which
     keeps the status of recent goals.
@@ -58,25 +59,30 @@ class TrajectoryAction:
     Parameters
     ----------
     action
-        Namespace of a control_msgs/FollowJointTrajectory action.
-    seconds
-        Duration of a motion, seconds.
+        Namespace of the action.
+    kind
+        Its type.
+    goal
+        Function of the target that returns a goal.
+    pause
+        Longest time for which the arm may plan a motion before it begins, seconds.
     """
 
-    def __init__(self, action: str, seconds: float) -> None:
-        self.topic, self._seconds, self._goal = action, seconds, ""
+    def __init__(
+        self, action: str, kind: str, goal: Callable[[Joints], dict[str, Any]], pause: float = 0.0
+    ) -> None:
+        self.topic, self._make, self._goal = action, goal, ""
         self._status = f"{action}/_action/status"
         self.topics = Topics(
-            subscribe={self._status: "action_msgs/msg/GoalStatusArray"},
-            actions={action: "control_msgs/FollowJointTrajectory"},
+            subscribe={self._status: "action_msgs/msg/GoalStatusArray"}, actions={action: kind}
         )
-        self.repeats = False
+        self.repeats, self.pause = False, pause
 
     def begin(self, target: Joints) -> Outgoing:
         """Return a goal with a new id."""
         self._goal = uuid4().hex
-        goal = {"trajectory": trajectory(target, self._seconds)}
-        return Outgoing(self.topic, "send_goal", {"action": self.topic, "goal_id": self._goal, "goal": goal})
+        arguments = {"action": self.topic, "goal_id": self._goal, "goal": self._make(target)}
+        return Outgoing(self.topic, "send_goal", arguments)
 
     def again(self) -> None:
         """Return None: a goal is sent once."""
@@ -108,8 +114,52 @@ def trajectory(target: Joints, seconds: float) -> dict[str, Any]:
     return {"joint_names": list(target), "points": [point]}
 
 
+def motion_plan(target: Joints, options: Ros2ArmOptions) -> dict[str, Any]:
+    """Return a goal of moveit_msgs/MoveGroup: plan a motion to joint positions, and execute it.
+
+    Differences ("is_diff") to the current state and scene are sent, and they are empty: MoveIt starts from
+    where the arm is, and avoids what it knows of.
+    """
+    constraints = [
+        {
+            "joint_name": name,
+            "position": float(position),
+            "tolerance_above": options.goal_tolerance,
+            "tolerance_below": options.goal_tolerance,
+            "weight": 1.0,
+        }
+        for name, position in target.items()
+    ]
+    return {
+        "request": {
+            "group_name": options.planning_group,
+            "start_state": {"is_diff": True},
+            "goal_constraints": [{"joint_constraints": constraints}],
+            "num_planning_attempts": 1,
+            "allowed_planning_time": options.planning_seconds,
+            "max_velocity_scaling_factor": options.velocity_scaling,
+            "max_acceleration_scaling_factor": options.acceleration_scaling,
+        },
+        "planning_options": {
+            "planning_scene_diff": {"is_diff": True, "robot_state": {"is_diff": True}},
+            "plan_only": False,
+        },
+    }
+
+
 def commanding(options: Ros2ArmOptions) -> Commanding:
     """Return the interface chosen by the options."""
     if options.trajectory_topic:
         return TrajectoryTopic(options.trajectory_topic, options.seconds)
-    return TrajectoryAction(options.action, options.seconds)
+    if options.move_action:
+        return GoalAction(
+            options.move_action,
+            "moveit_msgs/MoveGroup",
+            lambda target: motion_plan(target, options),
+            pause=options.planning_seconds,
+        )
+    return GoalAction(
+        options.action,
+        "control_msgs/FollowJointTrajectory",
+        lambda target: {"trajectory": trajectory(target, options.seconds)},
+    )

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from beltsort.drivers.ros.checks import check_positive
 from beltsort.drivers.ros.options import ArmOptions, BeltOptions, CameraOptions, SorterOptions
 from beltsort.errors import CellError
 
@@ -89,19 +90,60 @@ class Ros2ArmOptions(ArmOptions, Ros2Options):
     trajectory_topic
         trajectory_msgs/JointTrajectory, the topic of a joint_trajectory_controller; an alternative to
         `action`.
+    move_action
+        Namespace of a moveit_msgs/MoveGroup action, "/move_action" as MoveIt names it; an alternative to
+        both. MoveIt plans the motions, which take as long as they need (`seconds` is not used).
+    planning_group
+        MoveIt's name of the group of joints; they must be those of `taught`, or include them.
+    planning_seconds
+        Time in which MoveIt must have planned a motion, seconds.
+    velocity_scaling, acceleration_scaling
+        Largest velocities and accelerations of the joints as fractions of those that MoveIt knows, above 0
+        and at most 1.
+    goal_tolerance
+        Deviation of a joint from its target that MoveIt may plan, radians; below `tolerance`, within which
+        the arm must stop.
     """
 
     trajectory_topic: str = ""
+    move_action: str = ""
+    planning_group: str = ""
+    planning_seconds: float = 5.0
+    velocity_scaling: float = 0.1
+    acceleration_scaling: float = 0.1
+    goal_tolerance: float = 0.001
 
     def __post_init__(self) -> None:
         """Check that the arm has one command interface, and joint positions for every viewpoint."""
         Ros2Options.__post_init__(self)
-        if bool(self.trajectory_topic) == bool(self.action):
+        if sum(map(bool, (self.trajectory_topic, self.action, self.move_action))) != 1:
             raise CellError(
-                f"trajectory_topic is {self.trajectory_topic!r} and action {self.action!r}; expected one of "
-                "them; give the interface of the arm's controller"
+                f"trajectory_topic is {self.trajectory_topic!r}, action {self.action!r} and move_action "
+                f"{self.move_action!r}; expected one of them; give the interface of the arm's controller, or "
+                "MoveIt's"
             )
         ArmOptions.__post_init__(self)
+        self._check_planning()
+
+    def _check_planning(self) -> None:
+        """Check the options of MoveIt."""
+        if bool(self.move_action) != bool(self.planning_group):
+            raise CellError(
+                f"move_action is {self.move_action!r} and planning_group {self.planning_group!r}; expected "
+                "both for MoveIt, or none; give the other, or leave this one out"
+            )
+        check_positive(self, "planning_seconds", "velocity_scaling", "acceleration_scaling", "goal_tolerance")
+        for name in ("velocity_scaling", "acceleration_scaling"):
+            if getattr(self, name) > 1.0:
+                raise CellError(
+                    f"{name} is {getattr(self, name)}, expected at most 1, a fraction of the arm's largest; "
+                    "start from the default"
+                )
+        if self.move_action and self.goal_tolerance >= self.tolerance:
+            raise CellError(
+                f"goal_tolerance is {self.goal_tolerance}, expected below tolerance, {self.tolerance}, so "
+                "that what MoveIt plans is where the arm must stop; start from the default"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

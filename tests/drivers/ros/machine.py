@@ -30,6 +30,8 @@ class Settings:
     """Radians a second."""
     verdict: int = 3
     """How a goal ends, a number of ROS 1's GoalStatus."""
+    plan: float = 0.0
+    """Seconds for which a motion is planned, where it is."""
     travel: float = 0.15
     """Seconds of an advance."""
     emergency: bool = False

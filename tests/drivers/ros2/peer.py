@@ -21,6 +21,7 @@ from tests.drivers.ros.scenery import (  # noqa: E402 - likewise
     POINTS,
     SORTER,
 )
+from tests.drivers.ros2 import services  # noqa: E402 - likewise
 from tests.drivers.ros2.topics import DEPTH, INFO, TRAJECTORY  # noqa: E402 - likewise
 
 rclpy: Any = import_module("rclpy")
@@ -76,6 +77,7 @@ class Peer(machine.Machine):
             cancel_callback=lambda _goal: action.CancelResponse(2),  # ACCEPT
             callback_group=import_module("rclpy.callback_groups").ReentrantCallbackGroup(),
         )
+        self._move_group = services.MoveGroup(node, self)
 
     def follow(self, trajectory: Any) -> None:
         self.go(trajectory.joint_names, trajectory.points[-1].positions)

@@ -71,7 +71,8 @@ class Rig(PeerRig):
 def require_ros2() -> None:
     """End the test where ROS 2 is missing."""
     packages = {path.name for path in Path(PYTHON).parents[1].glob("lib/python*/site-packages/*")}
-    lacking = {"rclpy", "tf2_msgs", "control_msgs", "visualization_msgs"} - packages
+    needed = {"rclpy", "tf2_msgs", "control_msgs", "visualization_msgs", "std_srvs", "moveit_msgs"}
+    lacking = needed - packages
     if lacking:
         reason = f"{', '.join(sorted(lacking))} missing in {PYTHON}; see scripts/bootstrap"
         (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)

@@ -1,13 +1,25 @@
 """Options of the devices on ROS 2 that the tests use."""
 
+import dataclasses
 import sys
 from pathlib import Path
 
 from beltsort.drivers.ros2 import Ros2ArmOptions, Ros2BeltOptions, Ros2CameraOptions, Ros2SorterOptions
 from tests.drivers.ros.scenery import ACTION, CLOUDS, EMERGENCY, JOINTS, POINTS, POSES, TAUGHT
-from tests.drivers.ros2.topics import TRAJECTORY
+from tests.drivers.ros2.topics import GROUP, MOVE_GROUP, TRAJECTORY
 
-__all__ = ["POINTS", "POSES", "PYTHON", "TAUGHT", "arm", "belt", "camera_by_joints", "camera_by_tf", "sorter"]
+__all__ = [
+    "POINTS",
+    "POSES",
+    "PYTHON",
+    "TAUGHT",
+    "arm",
+    "arm_by_moveit",
+    "belt",
+    "camera_by_joints",
+    "camera_by_tf",
+    "sorter",
+]
 
 PYTHON = str(Path(sys.prefix) / "ros2" / "bin" / "python")
 """The interpreter of the environment that scripts/bootstrap makes for tests of ROS 2."""
@@ -44,6 +56,16 @@ def arm(domain: int, *, action: bool = False) -> Ros2ArmOptions:
         still=0.1,
         stalled=1.0,
         emergency_stop_topic=EMERGENCY,
+    )
+
+
+def arm_by_moveit(domain: int) -> Ros2ArmOptions:
+    return dataclasses.replace(
+        arm(domain),
+        trajectory_topic="",
+        move_action=MOVE_GROUP,
+        planning_group=GROUP,
+        planning_seconds=1.0,
     )
 
 
