@@ -30,9 +30,19 @@ ROS1_ARM = Backend(
 ROS2_CAMERA = backend_of(
     ros2.Ros2CameraOptions, lambda options, cell: ros2.Ros2Camera(resolved(options, cell))
 )
-ROS2_BELT = backend_of(ros2.Ros2BeltOptions, lambda options, cell: ros2.Ros2Belt(resolved(options, cell)))
-ROS2_SORTER = backend_of(
-    ros2.Ros2SorterOptions, lambda options, cell: ros2.Ros2Sorter(resolved(options, cell))
+ROS2_BELT = Backend(
+    lambda given, cell: (
+        ros2.Ros2ServiceBelt(resolved(validated(ros2.Ros2ServiceBeltOptions, given), cell))
+        if "advance_service" in given
+        else ros2.Ros2Belt(resolved(validated(ros2.Ros2BeltOptions, given), cell))
+    )
+)
+ROS2_SORTER = Backend(
+    lambda given, cell: (
+        ros2.Ros2ServiceSorter(resolved(validated(ros2.Ros2ServiceSorterOptions, given), cell))
+        if "services" in given
+        else ros2.Ros2Sorter(resolved(validated(ros2.Ros2SorterOptions, given), cell))
+    )
 )
 ROS2_ARM = Backend(
     lambda given, cell: ros2.Ros2Arm(

@@ -29,7 +29,7 @@ def named(kind: type[Peer]) -> str:
 
 def benches(kinds: Iterable[type[Peer]], *only: str) -> pytest.MarkDecorator:
     """Return the mark of a test that runs with every actuator of these back-ends, or only with some."""
-    pairs = [(kind, role) for kind in kinds for role in kind.actuators if not only or role in only]
+    pairs = [(kind, role) for kind in kinds for role in kind.actuators if not only or role.split()[0] in only]
     ids = [f"{named(kind)}-{role}" for kind, role in pairs]
     return pytest.mark.parametrize("bench", pairs, ids=ids, indirect=True)
 
@@ -39,6 +39,7 @@ class Bench(Generic[Kind]):
 
     def __init__(self, peer: Kind, role: str, account: Account) -> None:
         self.peer, self.role = peer, role
+        self.device_kind = role.split()[0]
         self.device: Any = peer.ready(role)
         self._boot_id = self.device.health().boot_id
         self._account = account
@@ -48,7 +49,7 @@ class Bench(Generic[Kind]):
         self._account.injected(named(type(self.peer)))
 
     def act(self, target: int, command_id: str, timeout: float = PATIENCE) -> Any:
-        return getattr(self.device, METHODS[self.role.split()[0]])(target, command_id, timeout=timeout)
+        return getattr(self.device, METHODS[self.device_kind])(target, command_id, timeout=timeout)
 
     def begun(self, target: int, command_id: str, timeout: float) -> Future[object]:
         """Let a command run in another thread, and return when the device acts."""
@@ -84,12 +85,12 @@ class Bench(Generic[Kind]):
 
     def after(self, target: int) -> int:
         """Return what the world will be like after a command."""
-        return self.world + 1 if self.role == "sorter" else target
+        return self.world + 1 if self.device_kind == "sorter" else target
 
     def check(self, expected: int) -> None:
         """Check that the world is as it should be: nothing was lost, and nothing done twice."""
         world = self.world
-        if not self.role.startswith("arm"):
+        if self.device_kind != "arm":
             self._account.lost(named(type(self.peer)), abs(world - expected))
         assert world == expected
 

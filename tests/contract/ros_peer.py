@@ -7,7 +7,14 @@ from typing import Any, ClassVar
 
 from beltsort.cell import CommandError
 from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
-from beltsort.drivers.ros2 import Ros2Arm, Ros2Belt, Ros2Camera, Ros2Sorter
+from beltsort.drivers.ros2 import (
+    Ros2Arm,
+    Ros2Belt,
+    Ros2Camera,
+    Ros2ServiceBelt,
+    Ros2ServiceSorter,
+    Ros2Sorter,
+)
 from tests.contract.peer import ProcessPeer, SeeingPeer
 from tests.drivers.ros.scenery import TAUGHT
 from tests.drivers.ros1 import rig as rig1
@@ -47,9 +54,10 @@ class RosPeer(SeeingPeer, ProcessPeer):
         return device
 
     def fresh(self, role: str) -> int:
-        if role == "sorter":
+        kind = role.split()[0]
+        if kind == "sorter":
             return 1
-        return self.world("belt") + 1 if role == "belt" else 1 - self.world("arm") % 2
+        return self.world("belt") + 1 if kind == "belt" else 1 - self.world("arm") % 2
 
     def far(self, role: str) -> int:
         self._rig.tell(**SLOW[role.split()[0]])
@@ -61,9 +69,9 @@ class RosPeer(SeeingPeer, ProcessPeer):
     def world(self, role: str) -> int:
         """As `Peer.world`; an arm that stands elsewhere is at viewpoint -1."""
         world = self._rig.tell()
-        if role == "belt":
+        if role.startswith("belt"):
             return int(world["object"])
-        if role == "sorter":
+        if role.startswith("sorter"):
             return int(sum(world["bins"]))
         joints = world["joints"]
         at = (all(abs(joints[j] - x) < 0.02 for j, x in taught.items()) for taught in TAUGHT.values())
@@ -137,7 +145,7 @@ class Ros1Peer(RosPeer):
 class Ros2Peer(RosPeer):
     """The peer of tests/drivers/ros2."""
 
-    actuators = (*RosPeer.actuators, "arm by MoveIt")
+    actuators = (*RosPeer.actuators, "arm by MoveIt", "belt by service", "sorter by service")
 
     def __init__(self, folder: Path) -> None:
         rig2.require_ros2()
@@ -151,5 +159,9 @@ class Ros2Peer(RosPeer):
             "arm by MoveIt": Ros2Arm(scene2.arm_by_moveit(domain)),
             "belt": Ros2Belt(scene2.belt(domain)),
             "sorter": Ros2Sorter(scene2.sorter(domain)),
+            "belt by service": Ros2ServiceBelt(scene2.belt_by_service(domain)),
+            "sorter by service": Ros2ServiceSorter(scene2.sorter_by_service(domain)),
             "camera": Ros2Camera(scene2.camera_by_tf(domain)),
         }
+        # The first step of a belt waits until it has stood for a while; those of the tests have less time.
+        self.ready("belt by service").advance_to(self.fresh("belt by service"), "first step")

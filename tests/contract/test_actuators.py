@@ -45,7 +45,7 @@ def test_an_id_belongs_to_one_command(bench: Bench[Peer]) -> None:
     bench.act(target, command_id)
     bench.suffers()
     with pytest.raises(CommandError, match=r"\bid\b.*\bcommand\b") as error:
-        bench.act(1 - target % 2 if bench.role.startswith("arm") else target + 1, command_id)
+        bench.act(1 - target % 2 if bench.device_kind == "arm" else target + 1, command_id)
     assert error.value.outcome is Outcome.NOT_DONE
     assert bench.outcome_of(command_id) is Outcome.DONE
     bench.check(expected)
@@ -98,10 +98,10 @@ def test_a_full_bin_takes_nothing(bench: Bench[Peer]) -> None:
 
 @benches(PROCESSES, "belt")
 def test_the_next_program_finds_the_belt_where_it_stands(bench: Bench[ProcessPeer]) -> None:
-    target = bench.peer.fresh("belt")
+    target = bench.peer.fresh(bench.role)
     bench.act(target, new_id())
     peer = bench.peer
-    following = peer.unhomed() if isinstance(peer, ServerPeer) else peer.ready("belt")
+    following = peer.unhomed() if isinstance(peer, ServerPeer) else peer.ready(bench.role)
     assert not following.health().needs_home
     assert following.position() == target
     following.advance_to(target + 1, new_id())
@@ -123,7 +123,7 @@ def test_a_killed_peer_leaves_the_command_unsettled(bench: Bench[ProcessPeer]) -
     assert bench.outcome_of(command_id) is not Outcome.DONE
     assert bench.outcome_of(earlier) is not Outcome.NOT_DONE
     bench.await_restart(boot_id)
-    if bench.role == "sorter" or not isinstance(bench.peer, RosPeer):
+    if bench.device_kind == "sorter" or not isinstance(bench.peer, RosPeer):
         world = bench.world
         with pytest.raises(CommandError, match=r"\bbefore\b.*\brestarted\b") as error:
             bench.act(target, command_id)
@@ -164,7 +164,7 @@ def test_a_peer_that_hangs_before_the_command_acts_at_most_once(bench: Bench[Pro
     with pytest.raises(CommandError) as error:
         bench.act(target, command_id, timeout=1.0)
     bench.peer.resume()
-    if bench.role in ("belt", "sorter"):
+    if bench.device_kind in ("belt", "sorter"):
         assert error.value.outcome is bench.outcome_of(command_id) is Outcome.NOT_DONE
     bench.act(target, command_id)
     assert bench.outcome_of(command_id) is Outcome.DONE
@@ -202,7 +202,7 @@ def test_a_belt_that_goes_too_far_says_where_it_is(bench: Bench[ProcessPeer]) ->
     bench.check(target + 2)
 
 
-@benches([Ros1Peer, Ros2Peer], "arm", "arm by action", "arm by MoveIt")
+@benches([Ros1Peer, Ros2Peer], "arm")
 def test_an_arm_that_stops_elsewhere_says_so(bench: Bench[RosPeer]) -> None:
     command_id, target = new_id(), bench.peer.fresh(bench.role)
     bench.suffers()

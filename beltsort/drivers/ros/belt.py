@@ -1,4 +1,7 @@
-"""A belt commanded by the number of the object at its end."""
+"""Belts that report the number of the object at their end, and one that is commanded by it."""
+
+from abc import abstractmethod
+from dataclasses import replace
 
 from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import NOWHERE
@@ -6,30 +9,29 @@ from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.device import HEALTH_TIMEOUT, Received, RosDevice, emergency_stop
 from beltsort.drivers.ros.ledger import Ledger
 from beltsort.drivers.ros.link import MakeLink, Topics, publication
-from beltsort.drivers.ros.options import BeltOptions
+from beltsort.drivers.ros.options import BeltOptions, BeltStateOptions
 from beltsort.errors import CellError
 
 
-class RosBelt(RosDevice):
-    """A belt on ROS.
+class ReportingBelt(RosDevice):
+    """A belt that reports the number of the object at its end, whichever way it is commanded.
 
     The state's message has no stamp; the time of a stop is the arrival of the message that reports it.
 
     Parameters
     ----------
     options
-        Its topics.
+        The topic of its state.
+    topics
+        The other topics.
     link
         Function that returns the link.
     """
 
-    def __init__(self, options: BeltOptions, link: MakeLink) -> None:
-        topics = Topics(
-            publish={options.command_topic: "std_msgs/Int32", options.stop_topic: "std_msgs/Empty"},
-            subscribe={options.state_topic: "std_msgs/Int32", **emergency_stop(options)},
-        )
-        super().__init__(link("belt", topics), options.state_topic, options.emergency_stop_topic)
-        self._options = options
+    def __init__(self, options: BeltStateOptions, topics: Topics, link: MakeLink) -> None:
+        states = {options.state_topic: "std_msgs/Int32", **emergency_stop(options)}
+        with_states = replace(topics, subscribe={**states, **topics.subscribe})
+        super().__init__(link("belt", with_states), options.state_topic, options.emergency_stop_topic)
         self._ledger = Ledger()
 
     def position(self) -> int:
@@ -48,11 +50,6 @@ class RosBelt(RosDevice):
                 Outcome.NOT_DONE,
             )
         return max(NOWHERE, int(state.message["data"]))
-
-    def stop(self) -> None:
-        """Command the belt to stop."""
-        self.connect()
-        self._send(publication(self._options.stop_topic, {}), self._soon(HEALTH_TIMEOUT))
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command, from the object at the belt end if its end was not observed."""
@@ -97,18 +94,44 @@ class RosBelt(RosDevice):
                 Outcome.NOT_DONE,
             )
         if at < index:
-            self._send(publication(self._options.command_topic, {"data": index}), deadline)
-            state = self._arrival(index, state, deadline, timeout)
+            state = self._bring(index, state, deadline)
         return state.stamp
 
-    def _arrival(self, index: int, state: Received, deadline: Deadline, timeout: float) -> Received:
+    @abstractmethod
+    def _bring(self, index: int, state: Received, deadline: Deadline) -> Received:
+        """Bring an object to the belt end of a belt that has not passed it; return the state then."""
+
+
+class RosBelt(ReportingBelt):
+    """A belt on ROS that is commanded by the number of the object to bring to its end.
+
+    Parameters
+    ----------
+    options
+        Its topics.
+    link
+        Function that returns the link.
+    """
+
+    def __init__(self, options: BeltOptions, link: MakeLink) -> None:
+        publish = {options.command_topic: "std_msgs/Int32", options.stop_topic: "std_msgs/Empty"}
+        super().__init__(options, Topics(publish=publish), link)
+        self._options = options
+
+    def stop(self) -> None:
+        """Command the belt to stop."""
+        self.connect()
+        self._send(publication(self._options.stop_topic, {}), self._soon(HEALTH_TIMEOUT))
+
+    def _bring(self, index: int, state: Received, deadline: Deadline) -> Received:
+        self._send(publication(self._options.command_topic, {"data": index}), deadline)
         while state.message["data"] != index:
             following = self._await(deadline, state.number)
             self._check_emergency_stop(deadline, Outcome.UNKNOWN)
             if following is None:
                 raise CommandError(
-                    f"the belt reported {state.message['data']} last, expected {index} within {timeout:g} s; "
-                    "check the belt",
+                    f"the belt reported {state.message['data']} last, expected {index} within "
+                    f"{deadline.timeout:g} s; check the belt",
                     Outcome.UNKNOWN,
                 )
             state = following

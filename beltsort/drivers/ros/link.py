@@ -41,6 +41,8 @@ class Topics:
         Message type of each topic, as "std_msgs/Int32".
     actions
         Type of each action, as "control_msgs/FollowJointTrajectory", by its namespace; ROS 2 only.
+    services
+        Type of each service that is called, as "std_srvs/Trigger"; ROS 2 only.
     joints
         Joint states without all of these joints are ignored.
     tf
@@ -50,6 +52,7 @@ class Topics:
     publish: Mapping[str, str] = field(default_factory=dict)
     subscribe: Mapping[str, str] = field(default_factory=dict)
     actions: Mapping[str, str] = field(default_factory=dict)
+    services: Mapping[str, str] = field(default_factory=dict)
     joints: Iterable[str] = ()
     tf: bool = False
 
@@ -59,6 +62,7 @@ class Topics:
             "publish": dict(self.publish),
             "subscribe": dict(self.subscribe),
             "actions": dict(self.actions),
+            "services": dict(self.services),
         }
         return {"name": name, **topics, "joints": sorted(self.joints), "tf": self.tf}
 

@@ -136,22 +136,32 @@ class ArmOptions(ActuatorOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class BeltOptions(ActuatorOptions):
-    """Options of a belt that reports the number of the object at its end.
+class BeltStateOptions(ActuatorOptions):
+    """Options of a belt that reports the number of the object at its end, however it is commanded.
+
+    Attributes
+    ----------
+    state_topic
+        Published by the belt, std_msgs/Int32, at 5 Hz or more: the number of the object at the belt end while
+        the belt stands, negative while it moves.
+    """
+
+    state_topic: str = "/belt/object"
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeltOptions(BeltStateOptions):
+    """Options of a belt that is commanded by the number of an object, also those of `BeltStateOptions`.
 
     Attributes
     ----------
     command_topic
         Subscribed by the belt, std_msgs/Int32: the number of the object to bring to the belt end.
-    state_topic
-        Published by the belt, std_msgs/Int32, at 5 Hz or more: the number of the object at the belt end while
-        the belt stands, negative while it moves.
     stop_topic
         Subscribed by the belt, std_msgs/Empty: stop at once.
     """
 
     command_topic: str = "/belt/target"
-    state_topic: str = "/belt/object"
     stop_topic: str = "/belt/stop"
 
 

@@ -9,8 +9,12 @@ from beltsort.drivers.ros2.options import (
     Ros2ArmOptions,
     Ros2BeltOptions,
     Ros2CameraOptions,
+    Ros2ServiceBeltOptions,
+    Ros2ServiceSorterOptions,
     Ros2SorterOptions,
 )
+from beltsort.drivers.ros2.service_belt import Ros2ServiceBelt
+from beltsort.drivers.ros2.service_sorter import Ros2ServiceSorter
 
 __all__ = [
     "Ros2Arm",
@@ -19,6 +23,10 @@ __all__ = [
     "Ros2BeltOptions",
     "Ros2Camera",
     "Ros2CameraOptions",
+    "Ros2ServiceBelt",
+    "Ros2ServiceBeltOptions",
+    "Ros2ServiceSorter",
+    "Ros2ServiceSorterOptions",
     "Ros2Sorter",
     "Ros2SorterOptions",
 ]

@@ -24,6 +24,7 @@ from beltsort.drivers.ros.serving import (
 )
 from beltsort.drivers.ros2.actions import Action
 from beltsort.drivers.ros2.messages import filled, interface_class
+from beltsort.drivers.ros2.services import Service, request_topic
 
 LEAVE_TIMEOUT = 1.0
 """Timeout of telling other nodes that this one leaves, seconds."""
@@ -62,6 +63,10 @@ class Node:
         for name, kind in setup["actions"].items():
             self._mailboxes[f"{name}/result"] = Mailbox(self._clock)
             self._actions[name] = Action(self._node, executor, name, kind, self._mailboxes[f"{name}/result"])
+        self._services: dict[str, Service] = {}
+        for name, kind in setup["services"].items():
+            answers = self._mailboxes[f"{name}/answer"] = Mailbox(self._clock)
+            self._services[name] = Service(self._node, executor, name, kind, answers)
         if setup["tf"]:
             self._listen("/tf", TF, profile(QUEUE), lambda m, _: self._transforms.add(m, static=False))
             kept = profile(QUEUE, durable=True)
@@ -90,6 +95,20 @@ class Node:
     def cancel_goals(self, action: str) -> Reply:
         """Request that all goals of an action are cancelled, if it has a server; return whether it has."""
         return {"listeners": int(self._actions[action].cancel())}, b""
+
+    def call(self, service: str, call_id: str) -> Reply:
+        """Call a service once, if it has a server; return whether it has."""
+        return {"listeners": int(self._services[service].call(call_id))}, b""
+
+    def server(self, service: str) -> Reply:
+        """Return the identity of the server that was discovered last; empty if there is none.
+
+        A middleware that is not of DDS tells no identities; it is "unknown" then.
+        """
+        topic = request_topic(service)
+        found = self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
+        last = self._discovered.last(topic, [bytes(each.endpoint_gid).hex() for each in found])
+        return {"identity": last or ("unknown" if self._services[service].ready() else "")}, b""
 
     def publishers(self, topic: str) -> Reply:
         """Return the names of the nodes that publish on a topic by the identity of the publisher.

@@ -1,9 +1,17 @@
 """Options of camera, arm, belt and sorter on a ROS 2 system."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from beltsort.drivers.ros.checks import check_positive
-from beltsort.drivers.ros.options import ArmOptions, BeltOptions, CameraOptions, SorterOptions
+from beltsort.drivers.ros.options import (
+    ActuatorOptions,
+    ArmOptions,
+    BeltOptions,
+    BeltStateOptions,
+    CameraOptions,
+    SorterOptions,
+)
 from beltsort.errors import CellError
 
 RANGES = ("LOCALHOST", "SUBNET", "OFF", "SYSTEM_DEFAULT")
@@ -159,3 +167,86 @@ class Ros2SorterOptions(SorterOptions, Ros2Options):
         """Check all options."""
         Ros2Options.__post_init__(self)
         SorterOptions.__post_init__(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StopOptions:
+    """How a device with services is told to stop; one of both.
+
+    Attributes
+    ----------
+    stop_service
+        std_srvs/Trigger: stop at once.
+    stop_topic
+        Subscribed by the device, std_msgs/Empty: stop at once.
+    """
+
+    stop_service: str = ""
+    stop_topic: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that there is one way to stop."""
+        if bool(self.stop_service) == bool(self.stop_topic):
+            raise CellError(
+                f"stop_service is {self.stop_service!r} and stop_topic {self.stop_topic!r}; expected one of "
+                "them, so that the device can be stopped; give the one that it has"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros2ServiceBeltOptions(BeltStateOptions, StopOptions, Ros2Options):
+    """Options of a belt that is advanced by a service; also those of its base classes.
+
+    Attributes
+    ----------
+    advance_service
+        std_srvs/Trigger: advance by one object. It answers at once or when the belt has stopped; `success` is
+        false only if the belt does not move.
+    """
+
+    advance_service: str
+
+    def __post_init__(self) -> None:
+        """Check all options."""
+        Ros2Options.__post_init__(self)
+        StopOptions.__post_init__(self)
+        if not self.advance_service or not self.state_topic:
+            raise CellError(
+                f"advance_service is {self.advance_service!r} and state_topic {self.state_topic!r}, expected "
+                "names: a belt that does not report the object at its end cannot be brought to another one "
+                "by steps; give both"
+            )
+        if self.advance_service == self.stop_service:
+            raise CellError(
+                f"advance_service and stop_service are both {self.stop_service!r}, expected two services; "
+                "give each the belt's own"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros2ServiceSorterOptions(ActuatorOptions, StopOptions, Ros2Options):
+    """Options of a sorter with a service for each bin; also those of its base classes.
+
+    Attributes
+    ----------
+    services
+        std_srvs/Trigger by the number of the bin: put the object at the belt end into it. It answers when
+        that is done; `success` is false only if nothing was moved.
+    count_topic
+        Published by the sorter, std_msgs/Int32, at 5 Hz or more: the number of objects that it has sorted
+        since it was started, negative while it is not at rest. Empty if it publishes nothing.
+    """
+
+    services: Mapping[int, str] = field(default_factory=dict)
+    count_topic: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that every bin has a service of its own."""
+        Ros2Options.__post_init__(self)
+        StopOptions.__post_init__(self)
+        names = [*self.services.values(), *([self.stop_service] if self.stop_service else [])]
+        if not self.services or not all(names) or len(set(names)) < len(names):
+            raise CellError(
+                f"services is {dict(self.services)} and stop_service {self.stop_service!r}, expected a "
+                "service for each bin, and none twice; give each the sorter's own"
+            )

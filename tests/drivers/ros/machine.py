@@ -46,6 +46,8 @@ class Settings:
     """Whether it goes one object too far."""
     mute: bool = False
     """Whether the peer acts on the next command, but reports nothing from then on."""
+    unanswered: bool = False
+    """Whether services do not answer, though the peer reports."""
 
 
 class Press:

@@ -78,6 +78,7 @@ class Peer(machine.Machine):
             callback_group=import_module("rclpy.callback_groups").ReentrantCallbackGroup(),
         )
         self._move_group = services.MoveGroup(node, self)
+        self._services = services.Services(node, self)
 
     def follow(self, trajectory: Any) -> None:
         self.go(trajectory.joint_names, trajectory.points[-1].positions)
@@ -107,6 +108,7 @@ class Peer(machine.Machine):
             self.states.publish(self.joint_state({"gripper": 0.0}))
             self.reports.publish(message_class("std_msgs/Int32")(data=self.belt))
             self.sorted.publish(self.keys())
+            self._services.publish()
         if n % 5 == 0 and self.settings.cloud != "silent":
             self.clouds.publish(self.cloud())
             self.depth.publish(self.image())
@@ -167,7 +169,7 @@ class Peer(machine.Machine):
 def main() -> None:
     rclpy.init()
     node = rclpy.create_node("peer")
-    executor = import_module("rclpy.executors").MultiThreadedExecutor(num_threads=4)
+    executor = import_module("rclpy.executors").MultiThreadedExecutor(num_threads=8)
     executor.add_node(node)
     peer = Peer(node)
     threading.Thread(target=executor.spin, daemon=True).start()

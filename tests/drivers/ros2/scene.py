@@ -4,9 +4,25 @@ import dataclasses
 import sys
 from pathlib import Path
 
-from beltsort.drivers.ros2 import Ros2ArmOptions, Ros2BeltOptions, Ros2CameraOptions, Ros2SorterOptions
+from beltsort.drivers.ros2 import (
+    Ros2ArmOptions,
+    Ros2BeltOptions,
+    Ros2CameraOptions,
+    Ros2ServiceBeltOptions,
+    Ros2ServiceSorterOptions,
+    Ros2SorterOptions,
+)
 from tests.drivers.ros.scenery import ACTION, CLOUDS, EMERGENCY, JOINTS, POINTS, POSES, TAUGHT
-from tests.drivers.ros2.topics import GROUP, MOVE_GROUP, TRAJECTORY
+from tests.drivers.ros2.topics import (
+    ADVANCE_SERVICE,
+    BIN_SERVICES,
+    COUNT,
+    GROUP,
+    MOVE_GROUP,
+    STOP_BELT_SERVICE,
+    STOP_SORTER_SERVICE,
+    TRAJECTORY,
+)
 
 __all__ = [
     "POINTS",
@@ -16,9 +32,11 @@ __all__ = [
     "arm",
     "arm_by_moveit",
     "belt",
+    "belt_by_service",
     "camera_by_joints",
     "camera_by_tf",
     "sorter",
+    "sorter_by_service",
 ]
 
 PYTHON = str(Path(sys.prefix) / "ros2" / "bin" / "python")
@@ -75,3 +93,24 @@ def belt(domain: int) -> Ros2BeltOptions:
 
 def sorter(domain: int) -> Ros2SorterOptions:
     return Ros2SorterOptions(python=PYTHON, domain_id=domain, emergency_stop_topic=EMERGENCY)
+
+
+def belt_by_service(domain: int) -> Ros2ServiceBeltOptions:
+    return Ros2ServiceBeltOptions(
+        python=PYTHON,
+        domain_id=domain,
+        advance_service=ADVANCE_SERVICE,
+        stop_service=STOP_BELT_SERVICE,
+        emergency_stop_topic=EMERGENCY,
+    )
+
+
+def sorter_by_service(domain: int, *, counts: bool = True) -> Ros2ServiceSorterOptions:
+    return Ros2ServiceSorterOptions(
+        python=PYTHON,
+        domain_id=domain,
+        services=BIN_SERVICES,
+        count_topic=COUNT if counts else "",
+        stop_service=STOP_SORTER_SERVICE,
+        emergency_stop_topic=EMERGENCY,
+    )
