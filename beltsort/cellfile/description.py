@@ -68,6 +68,8 @@ class CellDescription(Section):
     """The sorter's number of the bin for undecided objects; none if missing."""
     objects: Annotated[PositiveInt | None, BeforeValidator(lambda n: None if n == UNLIMITED else n)] = 10
     """Number of objects in a run, empty cups included, or "unlimited": until it is told to stop (None)."""
+    keep_runs: PositiveInt | None = None
+    """Number of earlier runs of this cell that are kept when a new one starts; all if missing."""
     belt_ends: bool = False
     """Whether no objects follow; the planner then spends more looks on the last ones."""
     model: str | None = None

@@ -30,6 +30,7 @@ from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.requests import drop_requests, taking_requests
+from beltsort.sorting.retention import prune_quietly
 from beltsort.sorting.runs import (
     CELL,
     DRY_RUN,
@@ -153,6 +154,8 @@ class CellRun:
         true = true_class_of(self.devices)
         if true is not None and description.objects is not None:
             write_true_classes(self.folder, first, [true(first + n) for n in range(description.objects)])
+        if description.keep_runs is not None:
+            prune_quietly(self.folder.parent, keep=description.keep_runs, cell=description.file)
         return sort_into(
             self.folder,
             self.cell,

@@ -37,6 +37,7 @@ from beltsort.cli import (
     migrate,
     plan,
     prepare,
+    prune,
     reproduce,
     run,
     service,
@@ -56,7 +57,7 @@ from beltsort.errors import InUseError, JournalNotWrittenError
 from beltsort.sorting.interrupts import Interrupted
 
 GROUPS = {
-    "sort": (demo, run, example, check, home, show, watch, explain, backup, migrate),
+    "sort": (demo, run, example, check, home, show, watch, explain, backup, prune, migrate),
     "serve": (service, status, hold, go_on, stop, settle),
     "plan": (plan, evaluate, compare, sweep, solve, export, info),
     "perceive": (train, classify, estimate, prepare, viewpoints, calibrate_belt, calibrate_check),

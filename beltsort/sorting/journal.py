@@ -256,6 +256,17 @@ def entries_after(path: Path, number: int) -> list[Entry]:
     return [*entries, *(entry for entry in newest if entry.number > latest)]
 
 
+def has_entries(path: Path) -> bool:
+    """Return whether a journal has any entry that is still kept; one that does not exist has none.
+
+    Raises
+    ------
+    JournalError
+        If a file is damaged, or no journal of this version.
+    """
+    return any(rows_of(file, "SELECT 1 FROM entries LIMIT 1") for file in _files(path))
+
+
 def newest_entries(path: Path) -> list[Entry]:
     """Return the entries from the last start or snapshot on that begins a file; see `read_journal`."""
     kinds = rows_of(path, "SELECT kind FROM entries ORDER BY number LIMIT 1") if path.is_file() else []

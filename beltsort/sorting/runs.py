@@ -11,7 +11,7 @@ from beltsort.cell.protocols import Cell
 from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
-from beltsort.sorting.journal import Journal, Listeners, entries_after
+from beltsort.sorting.journal import Journal, Listeners, has_entries
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.kept_scans import ScanKeeper, ScanListener, all_of
 from beltsort.sorting.loop import Check, nothing, sort_objects
@@ -28,6 +28,8 @@ CELL = "cell.txt"
 """The path of the cell file, in the folder of a run with one."""
 DRY_RUN = "-dry-run"
 """Suffix of the folder's name of a dry run."""
+REMOVED = ".removed"
+"""Suffix of the name of a run's folder while it is being removed."""
 RUNS, LATEST = Path("runs"), Path("latest")
 """Folder in which runs are made, and what stands for the newest one in it."""
 
@@ -56,7 +58,8 @@ def run_name() -> str:
 
 def journals_in(runs: Path) -> list[Path]:
     """Return the journals in a folder of runs, oldest first: folders are named by the time of their start."""
-    return sorted(runs.glob(f"*/{JOURNAL}"))
+    journals = runs.glob(f"*/{JOURNAL}")
+    return sorted(journal for journal in journals if not journal.parent.name.endswith(REMOVED))
 
 
 def journal_of(run: Path) -> Path:
@@ -112,7 +115,7 @@ def unfinished_run(runs: Path, cell: Path, *, dry_run: bool) -> Path | None:
         folder = journal.parent
         if folder.name.endswith(DRY_RUN) is not dry_run or not _is_of(folder, cell):
             continue
-        if entries_after(journal, 0):  # without entries nothing was done
+        if has_entries(journal):  # without entries nothing was done
             return None if progress_in(journal).done else folder
     return None
 
