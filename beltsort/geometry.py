@@ -5,6 +5,7 @@ along the belt *upstream*, z up, metres. Camera frame: the optical frame, x righ
 `world_from_camera` maps camera coordinates to world coordinates.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,46 @@ class BeltLayout:
     def centre(self, position: int) -> Points:
         """Return the point of the belt surface under `position`, shape (3,), world frame."""
         return np.array([position * self.spacing, 0.0, 0.0])
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Smallest and largest x of the positions, metres; zeros if there are none."""
+        along = [float(self.centre(position)[0]) for position in range(self.positions)]
+        return min(along, default=0.0), max(along, default=0.0)
+
+    def at(self, places: Iterable[float]) -> "PlacedLayout":
+        """Return a layout with the same cups at other places.
+
+        Parameters
+        ----------
+        places
+            The x of each position, metres, in any order.
+
+        Examples
+        --------
+        >>> BeltLayout().at([0.03, 0.21]).centre(1).tolist()
+        [0.21, 0.0, 0.0]
+        """
+        along = tuple(map(float, places))
+        sizes = self.rim_height, self.rim_radius, self.crop_height, self.crop_radius
+        return PlacedLayout(len(along), self.spacing, *sizes, along)
+
+
+@dataclass(frozen=True)
+class PlacedLayout(BeltLayout):
+    """A layout whose positions are anywhere along the belt; made by `BeltLayout.at`.
+
+    Attributes
+    ----------
+    places
+        The x of each position, metres; as many as `positions`.
+    """
+
+    places: tuple[float, ...] = ()
+
+    def centre(self, position: int) -> Points:
+        """Return the point of the belt surface under `position`, shape (3,), world frame."""
+        return np.array([self.places[position], 0.0, 0.0])
 
 
 def on_sphere(azimuth: float, elevation: float, radius: float, centre: Points) -> Points:

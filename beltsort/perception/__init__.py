@@ -5,6 +5,7 @@ from beltsort.perception.classifier import Classifier, Match
 from beltsort.perception.clouds import read_cloud
 from beltsort.perception.config import PerceptionConfig
 from beltsort.perception.confusion import Confusion, confusion
+from beltsort.perception.cups import FoundCup, find_cups
 from beltsort.perception.depth import Intrinsics, cloud_from_depth
 from beltsort.perception.descriptor import describe, oriented_normals
 from beltsort.perception.finding import Finding
@@ -27,6 +28,7 @@ __all__ = [
     "Confusion",
     "FileWarning",
     "Finding",
+    "FoundCup",
     "FromProbabilities",
     "Intrinsics",
     "KernelRidge",
@@ -46,6 +48,7 @@ __all__ = [
     "cloud_from_depth",
     "confusion",
     "describe",
+    "find_cups",
     "fit_label_rule",
     "leave_one_out",
     "load_classifier",

@@ -128,8 +128,15 @@ class Perception:
         """Names of the labels, into which `Perceived.label` is an index."""
         return self.rule.labels
 
-    def __call__(self, scan: DepthScan) -> list[Perceived]:
+    def __call__(self, scan: DepthScan, layout: BeltLayout | None = None) -> list[Perceived]:
         """Return what is perceived at each of the H positions, the belt end first.
+
+        Parameters
+        ----------
+        scan
+            As in `segment`.
+        layout
+            Where the objects stand in this scan; default: the layout of this perception.
 
         Raises
         ------
@@ -141,8 +148,9 @@ class Perception:
         UnitWarning, PoseWarning
             As `segment`.
         """
-        segmented = segment(scan, self.layout, self.config)
-        return [self._perceive(segmented, position) for position in range(self.layout.positions)]
+        layout = self.layout if layout is None else layout
+        segmented = segment(scan, layout, self.config)
+        return [self._perceive(segmented, position) for position in range(layout.positions)]
 
     def _perceive(self, segmented: Segmented, position: int) -> Perceived:
         points, finding = segmented.candidates[position], segmented.findings[position]

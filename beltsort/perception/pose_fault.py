@@ -158,8 +158,8 @@ def _tilt(world_from_camera: Pose, level: Pose) -> float:
 def _near_positions(world: Points, layout: BeltLayout) -> NDArray[np.bool_]:
     """Return which points, world frame, are at most one spacing from the positions, shape (n,)."""
     x, y = world[:, 0], world[:, 1]
-    last = (layout.positions - 1) * layout.spacing
-    return (x > -layout.spacing) & (x < last + layout.spacing) & (np.abs(y) < layout.spacing)
+    first, last = layout.extent
+    return (x > first - layout.spacing) & (x < last + layout.spacing) & (np.abs(y) < layout.spacing)
 
 
 def _corrections(points: Points, pose: Pose, level: Pose) -> Iterator[tuple[PoseFault, Points, Pose]]:
