@@ -41,3 +41,7 @@ class RecordingError(BeltsortError):
 
 class SweepError(BeltsortError):
     """A point of a sweep failed, or its rows cannot be read or written."""
+
+
+class TrackingError(BeltsortError):
+    """Objects on a moving belt cannot be tracked with these readings, scans or settings."""

@@ -10,16 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 from beltsort.geometry import SphereViewpoint
 from beltsort.sim.config import ArmErrors, CellConfig, Cup, PoseMix
+from beltsort.sim.moving_belt import MovingBelt
 from beltsort.sim.sensor import Camera, SensorNoise
 
 if TYPE_CHECKING:
     from beltsort.sim.cell import SimulatedCell
+    from beltsort.sim.moving_cell import MovingCell
 
 __all__ = [
     "ArmErrors",
     "Camera",
     "CellConfig",
     "Cup",
+    "MovingBelt",
+    "MovingCell",
     "PoseMix",
     "SensorNoise",
     "SimulatedCell",
@@ -28,7 +32,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import `SimulatedCell`, and with it Open3D, on first use."""
+    """Import `SimulatedCell` and `MovingCell`, and with them Open3D, on first use."""
+    if name == "MovingCell":
+        from beltsort.sim.moving_cell import MovingCell
+
+        return MovingCell
     if name == "SimulatedCell":
         from beltsort.sim.cell import SimulatedCell
 

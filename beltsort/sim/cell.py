@@ -9,9 +9,9 @@ from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
 from beltsort.errors import CellError
-from beltsort.geometry import BeltLayout, Points, Pose
+from beltsort.geometry import BeltLayout, Pose
 from beltsort.sim.config import CellConfig
-from beltsort.sim.noise import noisy_depth
+from beltsort.sim.noise import measured_points
 from beltsort.sim.world import World
 from beltsort.util.randomness import generator
 
@@ -207,23 +207,13 @@ class SimulatedCell:
         self._looks += 1
         self.clock += self._config.scan_seconds
         reported = self._pose()
-        points = self._measured(self._config.arm.true_pose(reported, rng), rng)
+        view = self._world.scene().view(self._config.arm.true_pose(reported, rng))
+        points = measured_points(view, self._config, rng)
         return Scan(points, self._placement.in_world(reported), stamp)
 
     def _pose(self) -> Pose:
         """Return the camera's pose in the belt frame as reported by the arm, shape (4, 4)."""
         return self._config.viewpoints[self._viewpoint].pose()
-
-    def _measured(self, world_from_camera: Pose, rng: np.random.Generator) -> Points:
-        """Return the organised points of one scan, camera frame, shape (height, width, 3)."""
-        camera = self._config.camera
-        view = self._world.scene().view(world_from_camera)
-        depth = noisy_depth(view, self._config.noise, camera, rng)
-        height, width = depth.shape
-        points = np.full((camera.height, camera.width, 3), np.nan)
-        window = points[view.top : view.top + height, view.left : view.left + width]
-        window[...] = camera.deproject(depth, view.top, view.left)
-        return points
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into bin `label`, an index into `bin_names`, or into `reject_bin`.

@@ -1,14 +1,19 @@
 """The noise of a structured-light camera, applied to an ideal depth image."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from beltsort.geometry import Points
+from beltsort.sim.config import CellConfig
 from beltsort.sim.sensor import Array, Camera, SensorNoise
 
 Flags = NDArray[np.bool_]
+T = TypeVar("T", bound=np.generic)
 
 _NORMAL_GRID = np.linspace(-5.0, 5.0, 401)
 _NORMAL_CDF = np.array([NormalDist().cdf(x) for x in _NORMAL_GRID])
@@ -43,6 +48,23 @@ class View:
     lit: Flags
 
 
+def stacked(parts: Sequence[View]) -> View:
+    """Return one view of bands of rows that lie below each other, the topmost first."""
+
+    def stack(image: Callable[[View], NDArray[T]]) -> NDArray[T]:
+        return np.concatenate([image(part) for part in parts])
+
+    return View(
+        top=parts[0].top,
+        left=parts[0].left,
+        depth=stack(lambda view: view.depth),
+        incidence=stack(lambda view: view.incidence),
+        mirror=stack(lambda view: view.mirror),
+        glass=stack(lambda view: view.glass),
+        lit=stack(lambda view: view.lit),
+    )
+
+
 def smooth_field(shape: tuple[int, int], window: int, rng: np.random.Generator) -> Array:
     """Return standard normal noise that is smooth over `window` pixels (a moving average), shape `shape`."""
     padded = (shape[0] + window, shape[1] + window)
@@ -66,6 +88,17 @@ def noisy_depth(view: View, noise: SensorNoise, camera: Camera, rng: np.random.G
     measured = np.full(view.depth.shape, np.nan)
     measured.flat[seen] = np.where(lost, np.nan, z)
     return measured
+
+
+def measured_points(view: View, config: CellConfig, rng: np.random.Generator) -> Points:
+    """Return the organised points of one scan, camera frame, shape (height, width, 3), metres."""
+    camera = config.camera
+    depth = noisy_depth(view, config.noise, camera, rng)
+    height, width = depth.shape
+    points = np.full((camera.height, camera.width, 3), np.nan)
+    window = points[view.top : view.top + height, view.left : view.left + width]
+    window[...] = camera.deproject(depth, view.top, view.left)
+    return points
 
 
 def _displaced(

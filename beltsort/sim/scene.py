@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort.geometry import Points, Pose, transform
-from beltsort.sim.noise import Flags, View
+from beltsort.sim.noise import Flags, View, stacked
 from beltsort.sim.sensor import Array, Camera
 from beltsort.sim.surfaces import Mesh
 from beltsort.util.extras import extra
@@ -53,7 +53,27 @@ class Scene:
 
     def view(self, world_from_camera: Pose) -> View:
         """Return the ideal images of a camera at `world_from_camera`, in the window that shows the belt."""
-        rows, columns = self._window(world_from_camera)
+        return self._view(*self._window(world_from_camera), world_from_camera)
+
+    def rolling_view(self, poses: Sequence[Pose]) -> View:
+        """Return the ideal images of a camera that moves while it reads its rows from top to bottom.
+
+        Parameters
+        ----------
+        poses
+            The camera's pose during each of as many equal bands of rows, shape (4, 4) each, in order. A belt
+            that moves is a camera that moves the other way.
+        """
+        windows = [self._window(pose) for pose in (poses[0], poses[-1])]
+        rows, columns = (_hull([window[axis] for window in windows]) for axis in (0, 1))
+        band = np.minimum(rows.astype(np.intp) * len(poses) // self._camera.height, len(poses) - 1)
+        parts = [
+            self._view(rows[band == n], columns, pose) for n, pose in enumerate(poses) if (band == n).any()
+        ]
+        return stacked(parts)
+
+    def _view(self, rows: Array, columns: Array, world_from_camera: Pose) -> View:
+        """Return the ideal images in a window of rows and columns."""
         directions = self._directions(rows, columns, world_from_camera)  # (h, w, 3)
         eye = world_from_camera[:3, 3].astype(np.float32)
         rays = np.concatenate([np.broadcast_to(eye, directions.shape), directions], axis=-1)
@@ -117,6 +137,11 @@ def _pixels(coordinates: Array, size: int) -> Array:
     first = np.clip(np.floor(coordinates.min()), 0, size - 1)
     last = np.clip(np.ceil(coordinates.max()), first, size - 1)
     return np.arange(first, last + 1.0)
+
+
+def _hull(ranges: Sequence[Array]) -> Array:
+    """Return the smallest range of pixels that contains all of `ranges`."""
+    return np.arange(min(pixels[0] for pixels in ranges), max(pixels[-1] for pixels in ranges) + 1.0)
 
 
 def _unit(vectors: Floats) -> Floats:

@@ -1,6 +1,6 @@
 """The simulated belt with its cups and objects."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -94,27 +94,46 @@ class World:
         """Return the current scene, which is cached until the belt moves or an object is removed."""
         if self._scene is None:
             positions = range(self._config.layout.positions + self._config.upstream)
-            objects = [mesh for position in positions if (mesh := self._object(position)) is not None]
-            cups = [_translated(self._cup, self._config.layout.centre(position)) for position in positions]
-            self._scene = Scene(self._belt(len(positions)), cups, objects, self._config.camera)
+            self._scene = self.scene_with(
+                {
+                    self.first + position: float(self._config.layout.centre(position)[0])
+                    for position in positions
+                }
+            )
         return self._scene
 
-    def _object(self, position: int) -> Mesh | None:
-        """Return the object in the cup at a position, drawn when first needed; None if the cup is empty."""
-        number = self.first + position
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Smallest and largest x of the belt's visible surface, metres."""
+        spacing, cups = self._config.layout.spacing, self._config.layout.positions + self._config.upstream
+        return -spacing / 2.0, (cups - 0.5) * spacing
+
+    def scene_with(self, places: Mapping[int, float]) -> Scene:
+        """Return the scene in which the cups of objects, by number, stand at the given x, metres."""
+        offsets = {number: np.array([x, 0.0, 0.0]) for number, x in places.items()}
+        cups = [_translated(self._cup, offset) for offset in offsets.values()]
+        objects = [
+            _translated(mesh, offset)
+            for number, offset in offsets.items()
+            if (mesh := self._object(number)) is not None
+        ]
+        return Scene(self._belt(), cups, objects, self._config.camera)
+
+    def _object(self, number: int) -> Mesh | None:
+        """Return an object in a cup at the origin, drawn when first needed; None if its cup is empty."""
         label = self.true_class(number)
-        if label is None or (position == 0 and self._removed):
+        if label is None or (number == self.first and self._removed):
             return None
         if number not in self._objects:
             rng = object_generator(self._seed, number)
             nominal = draw_nominal(self._nominal[label], self._seed, number)
             self._objects[number] = draw_object(nominal, self._config, rng)
-        return _translated(self._objects[number], self._config.layout.centre(position))
+        return self._objects[number]
 
-    def _belt(self, positions: int) -> Points:
+    def _belt(self) -> Points:
         """Return the corners of the belt's visible surface, shape (4, 3)."""
-        spacing, half = self._config.layout.spacing, self._config.belt_width / 2.0
-        start, end = -spacing / 2.0, (positions - 0.5) * spacing
+        half = self._config.belt_width / 2.0
+        start, end = self.extent
         return np.array([[start, -half, 0.0], [end, -half, 0.0], [end, half, 0.0], [start, half, 0.0]])
 
     def true_class(self, number: int) -> int | None:
