@@ -27,12 +27,19 @@ HOURS = 4 * 3600
 """Seconds after which a test of `make soak` is taken to hang."""
 
 
+ROS = {"ros1": ("drivers/ros1/", "Ros1"), "ros2": ("drivers/ros2/", "tests/ros2/", "Ros2", "ros2")}
+"""Parts of the names of tests that need each version of ROS."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the longest files first; give those that take long on purpose their time."""
+    """Put the longest files first, give those that take long on purpose their time, mark those of ROS."""
     items.sort(key=lambda item: not item.nodeid.startswith(LONGEST))
     for item in items:
         if item.get_closest_marker("soak"):
             item.add_marker(pytest.mark.timeout(HOURS))
+        for version, parts in ROS.items():
+            if any(part in item.nodeid for part in parts):
+                item.add_marker(version)
 
 
 @pytest.fixture

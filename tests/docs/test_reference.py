@@ -15,7 +15,9 @@ LISTED = {
 }
 
 
-@pytest.mark.parametrize("package", ["", ".models", ".perception", ".tables", ".cell", ".sim", ".tracking", ".errors"])
+@pytest.mark.parametrize(
+    "package", ["", ".models", ".perception", ".tables", ".cell", ".sim", ".tracking", ".errors"]
+)
 def test_public_names(package: str) -> None:
     module = import_module(f"beltsort{package}")
     names = getattr(module, "__all__", None) or [

@@ -1,8 +1,9 @@
-"""A thousand objects over OPC UA, with faults on purpose in one call of a hundred."""
+"""A thousand objects over OPC UA and over ROS 2, with faults on purpose in one call of a hundred."""
 
 import resource
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,10 +11,11 @@ import numpy as np
 import pytest
 
 import beltsort
-from beltsort.cell import EmergencyStopError, Scan
+from beltsort.cell import Belt, EmergencyStopError, Scan, Sorter
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.cellfile.composed import ComposedCell
+from beltsort.drivers.ros2 import Ros2Belt, Ros2Sorter
 from beltsort.errors import CloudError
 from beltsort.geometry import BeltLayout
 from beltsort.models import paper
@@ -25,6 +27,8 @@ from beltsort.testing.fault_kinds import Fault
 from beltsort.testing.faults import FaultPlan, Faults
 from tests.account import Account
 from tests.contract.peers import OpcuaPeer
+from tests.drivers.ros2 import scene
+from tests.drivers.ros2.rig import Rig, require_ros2
 from tests.sorting.killed_run import perceive
 from tests.sorting.scripted_cell import Glimpsed, ScriptedCell
 
@@ -64,14 +68,34 @@ class LabelCamera(ScriptedCell):
         return Scan(np.array([[label, 0.0, 0.0] for label in labels]), np.eye(4), stamp=not_before)
 
 
-@pytest.fixture
-def peer(tmp_path: Path) -> Iterator[OpcuaPeer]:
-    peer = OpcuaPeer(tmp_path)
-    try:
+@dataclass(frozen=True)
+class Plant:
+    """Belt and sorter, and how many objects an onlooker sees in each bin."""
+
+    name: str
+    belt: Belt
+    sorter: Sorter
+    bins: Callable[[], list[int]]
+
+
+def over_opcua(folder: Path) -> Iterator[Plant]:
+    with closing(OpcuaPeer(folder)) as peer:
         peer.start("--speed", "200")
-        yield peer
-    finally:
-        peer.close()
+        device = peer.device()
+        yield Plant("Opcua soak", device, device, lambda: list(peer.push("look")["bins"]))
+
+
+def over_ros2(folder: Path) -> Iterator[Plant]:
+    require_ros2()
+    with closing(Rig(folder)) as rig:
+        rig.tell(travel=0.02, sort=0.02)
+        with Ros2Belt(scene.belt(rig.domain)) as belt, Ros2Sorter(scene.sorter(rig.domain)) as sorter:
+            yield Plant("Ros2 soak", belt, sorter, lambda: list(rig.tell()["bins"]))
+
+
+@pytest.fixture(params=[over_opcua, over_ros2], ids=["Opcua", "Ros2"])
+def plant(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Plant]:
+    yield from request.param(tmp_path)
 
 
 def megabytes() -> float:
@@ -81,25 +105,24 @@ def megabytes() -> float:
 class Run:
     """The run of all objects, and the operator who looks at the bins when asked."""
 
-    def __init__(self, folder: Path, peer: OpcuaPeer) -> None:
-        device, self.camera = peer.device(), LabelCamera(MODEL)
+    def __init__(self, folder: Path, plant: Plant) -> None:
+        self.camera = LabelCamera(MODEL)
         self.plan = OneOfEveryHundred(SEED)
         faults = Faults(self.plan, len(MODEL.viewpoints))
         self.cell = ComposedCell(
             WrappedArm(self.camera, faults),
             WrappedCamera(self.camera, faults),
-            WrappedBelt(device, faults),
-            WrappedSorter(device, faults),
+            WrappedBelt(plant.belt, faults),
+            WrappedSorter(plant.sorter, faults),
             *(tuple(MODEL.classes), tuple(MODEL.viewpoints), BeltLayout(positions=MODEL.positions), None),
         )
-        self._peer, self._path = peer, folder / "journal.sqlite"
+        self._plant, self._path = plant, folder / "journal.sqlite"
         self.memory: dict[int, float] = {}
         self.starts = 0
 
     @property
     def bins(self) -> list[int]:
-        bins: list[int] = self._peer.push("look")["bins"]
-        return bins
+        return self._plant.bins()
 
     def finish(self) -> SortingReport:
         while True:
@@ -139,15 +162,15 @@ def perceived(scan: Scan) -> Sequence[Glimpsed]:
 
 
 @pytest.mark.soak
-def test_a_thousand_objects(tmp_path: Path, peer: OpcuaPeer, account: Account) -> None:
-    run = Run(tmp_path, peer)
+def test_a_thousand_objects(tmp_path: Path, plant: Plant, account: Account) -> None:
+    run = Run(tmp_path, plant)
     report = run.finish()
     calls, befallen = run.plan.calls.total(), run.plan.befallen
     growth = run.memory[OBJECTS - 1] - run.memory[OBJECTS // 5]
     decided = Counter(decision.label for decision in report.decisions)
     astray = sum(abs(seen - decided[label]) for label, seen in enumerate(run.bins))
-    account.injected("Opcua soak", befallen.total())
-    account.lost("Opcua soak", max(astray, OBJECTS - sum(run.bins)))
+    account.injected(plant.name, befallen.total())
+    account.lost(plant.name, max(astray, OBJECTS - sum(run.bins)))
     print(f"\nobjects {OBJECTS} | calls {calls} {dict(run.plan.calls)} | starts {run.starts}")
     kinds = ", ".join(f"{kind} {number}" for kind, number in befallen.most_common())
     print(f"faults {befallen.total()} ({befallen.total() / calls:.2%}): {kinds}")

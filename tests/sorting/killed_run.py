@@ -74,6 +74,11 @@ class FileWorld:
         done = self.database.execute("SELECT count(*) FROM acts WHERE id = ?", (command_id,)).fetchone()[0]
         return Outcome.DONE if done else Outcome.NOT_DONE
 
+    @property
+    def first(self) -> int:
+        """The object at the belt end."""
+        return len(self.acts("advance"))
+
     def acts(self, name: str) -> list[int]:
         rows = self.database.execute("SELECT target FROM acts WHERE name = ? ORDER BY number", (name,))
         return [target for (target,) in rows]
@@ -100,7 +105,7 @@ class FileWorld:
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:
         """A scan whose points are the labels: perception reads them back."""
-        first, viewpoint = len(self.acts("advance")), self.acts("move")[-1]
+        first, viewpoint = self.first, self.acts("move")[-1]
         labels = []
         for j in range(self.layout.positions):
             rng = np.random.default_rng((SEED, first, self.scans, j))
