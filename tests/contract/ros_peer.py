@@ -151,7 +151,7 @@ class Ros2Peer(RosPeer):
         rig2.require_ros2()
         super().__init__(folder)
         folder.mkdir(exist_ok=True)
-        self._rig = rig2.Rig(folder)
+        self._rig = self._rig2 = rig2.Rig(folder)
         domain = self._rig.domain
         self._devices = {
             "arm": Ros2Arm(scene2.arm(domain)),
@@ -165,3 +165,9 @@ class Ros2Peer(RosPeer):
         }
         # The first step of a belt waits until it has stood for a while; those of the tests have less time.
         self.ready("belt by service").advance_to(self.fresh("belt by service"), "first step")
+
+    def ready(self, role: str) -> Any:
+        """As `Peer.ready`; a belt that was stopped between two objects cannot be advanced by steps."""
+        if role == "belt by service":
+            rig2.set_going(self._rig2, super().ready("belt"))
+        return super().ready(role)

@@ -1,5 +1,6 @@
 """The base class of the devices: a link to a node, and the topic on which the device publishes."""
 
+import logging
 import time
 from contextlib import suppress
 from typing import Any, NamedTuple, Self
@@ -12,6 +13,8 @@ from beltsort.drivers.ros.link import GRACE, Link, Outgoing
 from beltsort.drivers.ros.options import ActuatorOptions
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
+
+log = logging.getLogger(__name__)
 
 WAIT_SLICE = 0.25
 """Longest wait of one request to the node, seconds; at a deadline the error describes what arrived "
@@ -60,6 +63,7 @@ class RosDevice:
         self._link, self._topic = link, topic
         self._emergency_stop_topic = emergency_stop_topic
         self._node = ""
+        self._last_health, self._ready_boot_id = Health(False, ""), ""
 
     @property
     def address(self) -> str:
@@ -103,15 +107,32 @@ class RosDevice:
         if not self._node:
             self._await(self._soon(FIRST_MESSAGE))
         if not self._node:
-            return Health(False, system, f"no message on {self._topic}; start its publisher")
-        boot_id, fault = self._link.peer(self._topic, self._node)
+            fault = f"no message on {self._topic}; start its publisher"
+            return self._noted(Health(False, system, fault))
+        return self._health(*self._link.peer(self._topic, self._node))
+
+    def _health(self, boot_id: str, fault: str) -> Health:
+        """Return the state of a device that answers, unless there is a fault, with its emergency stop."""
         pressed = False
         if not fault:
             try:
                 self._check_emergency_stop(self._soon(FIRST_MESSAGE), Outcome.NOT_DONE)
             except CommandError as reason:
                 fault, pressed = str(reason), isinstance(reason, EmergencyStopError)
-        return Health(not fault, boot_id, fault, emergency_stop=pressed)
+        return self._noted(Health(not fault, boot_id, fault, emergency_stop=pressed))
+
+    def _noted(self, health: Health) -> Health:
+        """Log what has changed since the last time, and return the state."""
+        before, self._last_health = self._last_health, health
+        if health.ready and self._ready_boot_id not in ("", health.boot_id):
+            log.warning("%s was restarted", self.address)
+        elif health.ready and not before.ready:
+            log.info("%s is ready", self.address)
+        if health.ready:
+            self._ready_boot_id = health.boot_id
+        if health.fault and health.fault != before.fault:
+            log.warning("%s is not ready: %s", self.address, health.fault)
+        return health
 
     def _check_emergency_stop(self, deadline: Deadline, outcome: Outcome) -> None:
         """Raise an error with this outcome if the emergency stop is pressed, or its state is unknown."""

@@ -1,9 +1,12 @@
 """A record of commands, for devices that do not remember command ids."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from beltsort.cell.commands import CommandError, Outcome
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,8 @@ class Ledger:
             stop = act()
         except CommandError as failure:
             self._commands[command_id] = Command(name, target, failure.outcome)
+            if failure.outcome is Outcome.UNKNOWN:
+                log.warning("the outcome of %s, %s(%d), is unknown: %s", command_id, name, target, failure)
             raise
         self._commands[command_id] = Command(name, target, Outcome.DONE, stop)
         return stop

@@ -1,5 +1,6 @@
 """A link to a node in another process, with deadlines and restarts."""
 
+import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -10,6 +11,8 @@ from uuid import uuid4
 from beltsort.cell.commands import CommandError, Outcome
 from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.process import Answer, NodeProcess
+
+log = logging.getLogger(__name__)
 
 START_TIMEOUT = 20.0
 """Timeout of the start of a node, seconds; it takes one on an idle computer."""
@@ -133,12 +136,16 @@ class Link(ABC):
             `NOT_DONE` if the ROS system does not answer, the node does not start, or a package is missing.
         """
         with self._lock:
-            running = self._process
-            if running is None or not running.alive() or not self._usable(running, timeout):
-                self.close()
-                name = f"beltsort_{self._role}_{uuid4().hex[:8]}"
-                self._process = self._start(self._topics.setup(name), Deadline(timeout))
-                self._discovered = Deadline(self.discovery)
+            if (running := self._process) is not None:
+                if running.alive() and self._usable(running, timeout):
+                    return
+                why = "the ROS system does not know it" if running.alive() else "its process ended"
+                log.warning("lost the ROS node %s (%s); starting another one", running.name, why)
+            self.close()
+            name = f"beltsort_{self._role}_{uuid4().hex[:8]}"
+            self._process = self._start(self._topics.setup(name), Deadline(timeout))
+            self._discovered = Deadline(self.discovery)
+            log.info("started the ROS node %s, process %d", name, self._process.process_id)
 
     def discovery_left(self) -> float:
         """Return the seconds that nodes may still take to find this one."""
@@ -178,6 +185,7 @@ class Link(ABC):
         with self._lock:
             if self._process is not None:
                 self._process.end()
+                log.info("ended the ROS node %s", self._process.name)
                 self._process = None
 
 

@@ -215,13 +215,7 @@ class Ros2ServiceSorter(RosDevice):
                 break
             time.sleep(min(POLL_INTERVAL, deadline.left()))
         fault = f"no server of {', '.join(missing)}; start the sorter, or correct the name" if missing else ""
-        pressed = False
-        if not fault:
-            try:
-                self._check_emergency_stop(deadline, Outcome.NOT_DONE)
-            except CommandError as reason:
-                fault, pressed = str(reason), isinstance(reason, EmergencyStopError)
-        return Health(not fault, " ".join(found.values()), fault, emergency_stop=pressed)
+        return self._health(" ".join(found.values()), fault)
 
     def _server(self, service: str, deadline: Deadline) -> str:
         answer = self._link.ask("server", deadline.left() + HEALTH_TIMEOUT, service=service)

@@ -5,9 +5,11 @@ import socket
 import subprocess
 from dataclasses import asdict
 from pathlib import Path
+from uuid import uuid4
 
 import pytest
 
+from beltsort.drivers.ros2 import Ros2Belt
 from tests.drivers.ros.machine import Settings
 from tests.drivers.ros.rig import PeerRig
 from tests.drivers.ros2.scene import PYTHON
@@ -66,6 +68,13 @@ class Rig(PeerRig):
     def close(self) -> None:
         self.kill(self.peer)
         self._held.close()
+
+
+def set_going(rig: Rig, belt: Ros2Belt) -> None:
+    """Bring a belt that was stopped on its way to an object, from which it can be advanced by steps."""
+    world = rig.tell()
+    if world["halted"]:
+        belt.advance_to(world["object"] + 1, uuid4().hex, timeout=60.0)
 
 
 def require_ros2() -> None:

@@ -56,7 +56,7 @@ class MoveGroup:
         self._machine.go([each.joint_name for each in wanted], [each.position for each in wanted])
         while not self._machine.arrived:
             if goal.is_cancel_requested:
-                self._machine.halt()
+                self._machine.target = dict(self._machine.joints)
                 return self._preempted(goal)
             time.sleep(machine.BEAT)
         goal.succeed()

@@ -16,7 +16,7 @@ from beltsort.drivers.ros2.services import request_topic
 from beltsort.drivers.ros2.trigger import Answer, Trigger
 from beltsort.errors import CellError
 from tests.drivers.ros2 import scene
-from tests.drivers.ros2.rig import Rig
+from tests.drivers.ros2.rig import Rig, set_going
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.process
@@ -29,7 +29,8 @@ def shared_stepper(shared: Rig) -> Iterator[Ros2ServiceBelt]:
 
 
 @pytest.fixture
-def stepper(rig: Rig, shared_stepper: Ros2ServiceBelt) -> Ros2ServiceBelt:
+def stepper(rig: Rig, belt: Ros2Belt, shared_stepper: Ros2ServiceBelt) -> Ros2ServiceBelt:
+    set_going(rig, belt)
     ready(shared_stepper)
     return shared_stepper
 
@@ -112,7 +113,8 @@ def test_a_belt_is_stopped_by_its_service(rig: Rig, stepper: Ros2ServiceBelt, be
     with pytest.raises(CommandError, match=r"\bdid not stand still\b.*\(it reported -1 last\)"):
         stepper.advance_to(at + 1, an_id(), timeout=2.0)
     rig.mend()
-    belt.advance_to(at + 1, an_id(), timeout=30.0)  # the belt under test can say only "one further"
+    set_going(rig, belt)
+    stepper.advance_to(rig.tell()["object"] + 1, an_id(), timeout=60.0)
 
 
 def test_a_sort_is_done_once(rig: Rig, sorter: Ros2ServiceSorter) -> None:
