@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.drivers.ros2.conftest import arm, belt, rig, shared_arm, shared_belt
+from beltsort.drivers.ros2 import Ros2Belt
+from tests.drivers.ros2 import scene
+from tests.drivers.ros2.conftest import arm, belt, rig, shared_arm
 from tests.drivers.ros2.rig import ROOT, Rig, require_ros2
 
-__all__ = ["arm", "belt", "rig", "shared_arm", "shared_belt"]
+__all__ = ["arm", "belt", "rig", "shared_arm"]
 
 TARGET = ROOT / "target" / "ros2-peer"
 """Where the peer is built, and kept for the next time."""
@@ -33,3 +35,10 @@ def shared(binary: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[R
         rig = Rig(directory, str(binary))
         yield rig
         rig.close()
+
+
+@pytest.fixture(scope="package")
+def shared_belt(shared: Rig) -> Iterator[Ros2Belt]:
+    with Ros2Belt(scene.belt(shared.domain)) as belt:
+        belt.connect()  # the first test gives it less time than a busy machine takes
+        yield belt
