@@ -216,7 +216,7 @@ class Renderer:
         self.process = subprocess.Popen(  # in a session of its own: Ctrl-C is for the node
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
         )
-        self.classes = {}  # name of the class of each object that was seen at the belt end
+        self.classes = {}  # name of the class of each object that was seen
 
     def render(self, state):
         """Return the camera's parameters, and its depths in metres, float32, row by row."""
@@ -226,7 +226,7 @@ class Renderer:
         if not line:
             raise RuntimeError("renderer.py has ended, see above; give --renderer-python one with beltsort")
         camera = json.loads(line)
-        self.classes[state["object"]] = camera["class"]
+        self.classes.update(enumerate(camera["classes"], start=state["object"]))
         return camera, self.process.stdout.read(4 * camera["height"] * camera["width"])
 
 

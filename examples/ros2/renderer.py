@@ -1,7 +1,7 @@
 """Renders what the camera of cell_node.py sees, with the simulated cell of beltsort: `renderer.py CELL.toml`.
 
 For each line of JSON on standard input, the state of the cell, it writes a line of JSON, the camera's
-parameters and the class of the object at the belt end, and then the depths, metres, float32 row by row, 0
+parameters and the classes of the objects that it sees, and then the depths, metres, float32 row by row, 0
 where nothing returns. With a real camera you need none of this.
 """
 
@@ -29,9 +29,10 @@ class Renderer:
         self.viewpoints, self.taught = cell.viewpoint_names, cell.options_of("arm")["taught"]
         self.scans = 0
 
-    def name(self):
-        """Return the class of the object at the belt end."""
-        return self.simulated.classes[self.simulated.true_class(self.simulated.position())]
+    def names(self):
+        """Return the classes of the objects that are seen, from the belt end on."""
+        first, seen = self.simulated.position(), self.simulated.layout.positions
+        return [self.simulated.classes[self.simulated.true_class(first + place)] for place in range(seen)]
 
     def depths(self, joints, number, taken):
         """Return depths, metres, shape (height, width)."""
@@ -54,7 +55,7 @@ def main():
         depths = renderer.depths(state["joints"], state["object"], state["taken"])
         height, width = depths.shape
         focal = renderer.simulated.config.camera.focal
-        camera = {"height": height, "width": width, "focal": focal, "class": renderer.name()}
+        camera = {"height": height, "width": width, "focal": focal, "classes": renderer.names()}
         sys.stdout.buffer.write(json.dumps(camera).encode() + b"\n" + depths.astype("<f4").tobytes())
         sys.stdout.buffer.flush()
 
