@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from beltsort.cell.commands import Act, AdvanceTo, MoveTo, SortInto
-from beltsort.cell.protocols import Arm, Belt, DepthCamera, FollowsBelt, Sorter
+from beltsort.cell.protocols import Arm, Belt, DepthCamera, FollowsBelt, KnowsClasses, Sorter
 from beltsort.cell.wrappers.bins import Bins
 from beltsort.cell.wrappers.camera_poses import CameraPoses
 from beltsort.cell.wrappers.deadlines import Deadlines
@@ -26,6 +26,10 @@ WRAPPED = {"arm": WrappedArm, "camera": WrappedCamera, "belt": WrappedBelt, "sor
 MOVERS = ("arm", "belt", "sorter")
 
 
+def nobody_knows(_index: int) -> None:
+    """Know the class of no object."""
+
+
 @dataclass(frozen=True)
 class ComposedCell:
     """Arm, camera, belt and sorter of any back-ends: a `Cell`.
@@ -43,6 +47,8 @@ class ComposedCell:
         taught, or if the camera does not move.
     bin_numbers, bin_names
         As in `NumbersBins` and `NamesBins` of `beltsort.cell.protocols`.
+    true_class
+        That of a simulated device, as in `KnowsClasses`; otherwise no class is known.
     """
 
     arm: Arm
@@ -57,6 +63,7 @@ class ComposedCell:
     poses: tuple[Pose | None, ...] = ()
     bin_numbers: tuple[int, ...] = ()
     bin_names: tuple[str, ...] = ()
+    true_class: Callable[[int], int | None] = nobody_knows
 
 
 def compose(
@@ -96,6 +103,7 @@ def compose(
     kinds = _all_of(lambda role: backend(role, description.device(role).backend))
     maker = _Maker(description, made)
     devices = _all_of(lambda role: maker.device(role, kinds[role]))
+    classes = [device.true_class for device in devices.values() if isinstance(device, KnowsClasses)]
     printed = roles_in_dry_run(description, live=live)
     camera_is_still = "arm" in printed or kinds["arm"].absent
     camera = devices["camera"]
@@ -119,6 +127,7 @@ def compose(
         dry_run=printed,
         poses=tuple(None if camera_is_still else viewpoint.pose() for viewpoint in description.viewpoints),
         bin_numbers=description.bin_numbers,
+        true_class=next(iter(classes), nobody_knows),
     )
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from beltsort import SortingModel
 from beltsort.cellfile.run import CellRun, true_class_of
 from beltsort.planning.bins import sorting_statistics
-from beltsort.sorting.report import SortingReport, confusion
+from beltsort.sorting.report import SortingReport
 from beltsort.sorting.runs import plain_decision
 from beltsort.util.text import number_or_none
 
@@ -22,7 +22,7 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
     return {
         "steps": report.steps,
         "decisions": [plain_decision(decision, run.model.bins) for decision in report.decisions],
-        "bins": report.counts(run.model.bins),
+        "bins": report.counts.by_bin(run.model.bins),
         **({} if counts is None else _sorted(run.model, counts)),
         "skipped": list(report.skipped),
         "passed": list(report.passed),
@@ -36,10 +36,11 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
 
 def confusion_of(run: CellRun, report: SortingReport) -> NDArray[np.uint64] | None:
     """Return the number of objects by bin and true class, shape (B, L); None if no device knows classes."""
-    true = true_class_of(run.devices)
-    if true is None:
+    if true_class_of(run.devices) is None:
         return None
-    return confusion(((decision.object, decision.label) for decision in report.decisions), true, run.model)
+    counted = report.counts.confusion
+    shape = len(run.model.bins), len(run.model.classes)
+    return np.zeros(shape, dtype=np.uint64) if counted is None else np.array(counted, dtype=np.uint64)
 
 
 def _sorted(model: SortingModel, counts: NDArray[np.uint64]) -> dict[str, Any]:

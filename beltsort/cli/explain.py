@@ -89,7 +89,7 @@ def run(arguments: Namespace) -> int:
 
 def run_as_json(entries: Sequence[Entry]) -> dict[str, object]:
     """Return what can be explained as plain data: numbers of objects and of planner steps."""
-    progress, steps = Progress.after(entries), [step.number for step in steps_of(entries)]
+    progress, steps = Progress.after(entries, keep=None), [step.number for step in steps_of(entries)]
     decided = [decision.object for decision in progress.decisions]
     return {
         "first_object": progress.first,
@@ -105,7 +105,7 @@ def run_as_json(entries: Sequence[Entry]) -> dict[str, object]:
 
 def show_run(entries: Sequence[Entry], depth: int) -> None:
     """Print which objects and steps can be explained, and explain the last decision."""
-    progress, steps = Progress.after(entries), [step.number for step in steps_of(entries)]
+    progress, steps = Progress.after(entries, keep=None), [step.number for step in steps_of(entries)]
     print(f"The run sorts {objects_in_words(progress)}.")
     groups = {
         "decided": [decision.object for decision in progress.decisions],

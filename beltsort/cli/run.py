@@ -278,13 +278,13 @@ def print_result(console: "Console", opened: "CellRun", report: "SortingReport")
     from beltsort.cellfile.results import confusion_of
     from beltsort.planning.bins import sorting_statistics
 
-    sorted_into = [f"{count} {name}" for name, count in report.counts(opened.model.bins).items()]
-    empty = [f"{len(report.skipped)} empty"] if report.skipped else []
-    passed = [f"{len(report.passed)} PASSED UNSORTED {list(report.passed)}"] if report.passed else []
+    sorted_into = [f"{count} {name}" for name, count in report.counts.by_bin(opened.model.bins).items()]
+    empty = [f"{report.counts.skipped} empty"] if report.skipped else []
+    passed = [f"{report.counts.passed} PASSED UNSORTED {list(report.passed)}"] if report.passed else []
     parts = [*sorted_into, *empty, *passed]
     if report.stopped_by is not None:
         console.print(f"stopped: {report.stopped_by} asked to")
-    console.print(f"{len(report.decisions)} sorted in {report.steps} steps: {', '.join(parts)}")
+    console.print(f"{report.counts.sorted} sorted in {report.steps} steps: {', '.join(parts)}")
     counts = confusion_of(opened, report)
     if counts is not None:
         found = sorting_statistics(opened.model, counts)

@@ -1,17 +1,19 @@
 """`beltsort show`: print a run."""
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json, print_status
-from beltsort.sorting.audit import entries_of, with_steps, write_csv
+from beltsort.sorting.audit import StepReader, with_steps, write_csv
 from beltsort.sorting.entry_text import EntryFormatter
-from beltsort.sorting.journal import Entry
+from beltsort.sorting.first_entry import model_of
+from beltsort.sorting.journal import Entry, entries_of_journal, read_journal
 from beltsort.sorting.progress import Progress
-from beltsort.sorting.runs import plain_decision
+from beltsort.sorting.run_state import LATEST
+from beltsort.sorting.runs import journal_of, plain_decision
 
 EXAMPLE = "beltsort show runs/2026-01-31T12-00-00.000000Z"
 
@@ -37,43 +39,57 @@ def add_run(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Read and print, and write the CSV file if requested."""
-    entries = entries_of(arguments.folder)
-    progress = Progress.after(entries)
+    """Read and print, and write the CSV file if requested.
+
+    The entries are read one after the other, except for JSON, which has all of them.
+    """
+    journal = journal_of(arguments.folder)
     if arguments.csv is not None:
-        write_csv(entries, arguments.csv)
-        print_status(f"{len(entries)} entries written to {arguments.csv}")
+        written = write_csv(entries_of_journal(journal), arguments.csv)
+        print_status(f"{written} entries written to {arguments.csv}")
     if arguments.json:
-        print_json(
-            {
-                "run": progress.run,
-                "steps": progress.steps,
-                "objects": progress.objects,
-                "at_belt_end": progress.index,
-                "decisions": [
-                    {**plain_decision(decision, progress.model.bins), **asdict(decision)}
-                    for decision in progress.decisions
-                ],
-                "skipped": progress.skipped,
-                "drift": [alarm.to_dict() for alarm in progress.drift.alarms],
-                "pose_faults": progress.pose_faults,
-                "entries": [{**entry.plain(), "step": step} for entry, step in with_steps(entries)],
-            }
-        )
+        print_json(as_json(read_journal(journal)))
     else:
-        show(entries, progress)
+        show(entries_of_journal(journal))
     return 0
 
 
-def show(entries: Sequence[Entry], progress: Progress) -> None:
-    """Print a line for each displayed entry, and the progress of the run."""
-    formatter = EntryFormatter()
+def as_json(entries: Sequence[Entry]) -> dict[str, object]:
+    """Return a run as plain data."""
+    progress = Progress.after(entries, keep=None)
+    return {
+        "run": progress.run,
+        "steps": progress.steps,
+        "objects": progress.objects,
+        "at_belt_end": progress.index,
+        "decisions": [
+            {**plain_decision(decision, progress.model.bins), **asdict(decision)}
+            for decision in progress.decisions
+        ],
+        "skipped": progress.skipped,
+        "drift": [alarm.to_dict() for alarm in progress.drift.alarms],
+        "pose_faults": progress.pose_faults,
+        "entries": [{**entry.plain(), "step": step} for entry, step in with_steps(entries)],
+    }
+
+
+def show(entries: Iterable[Entry]) -> None:
+    """Print a line for each displayed entry, and what the run has come to."""
+    formatter, reader = EntryFormatter(), None
     print("  step  time (UTC)")
-    for entry, step in with_steps(entries):
+    for entry in entries:
+        reader = reader or StepReader(model_of([entry]), keep=LATEST)
+        step = reader.step_of(entry)
         line = formatter.format(entry)
         if line is not None:
             print(f"{step or '':>6}  {entry.time[:19].replace('T', ' ')}  {line}")
-    done = f"{len(progress.decisions)} sorted, {len(progress.skipped)} empty"
+    if reader is not None:
+        show_progress(reader.progress)
+
+
+def show_progress(progress: Progress) -> None:
+    """Print what a run has come to."""
+    done = f"{progress.counts.sorted} sorted, {progress.counts.skipped} empty"
     if progress.drift.alarms:
         print(f"{len(progress.drift.alarms)} drift alarms: labels no longer fit the observation tables")
     for fault, scans in progress.pose_faults.items():

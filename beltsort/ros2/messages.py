@@ -92,10 +92,9 @@ class RunMessages:
     def resume(self, progress: Progress) -> None:
         """Continue with a run that is resumed, whose entries do not say where it was."""
         self._run, self._belief = progress.run, progress.belief.probabilities.tolist()
-        counts = self._counts
-        counts.sorted, counts.empty = len(progress.decisions), len(progress.skipped)
-        counts.passed, counts.drift = len(progress.passed), len(progress.drift.alarms)
-        counts.forced = sum(decision.forced is not None for decision in progress.decisions)
+        counts, known = self._counts, progress.counts
+        counts.sorted, counts.empty, counts.forced = known.sorted, known.skipped, known.forced
+        counts.passed, counts.drift = known.passed, len(progress.drift.alarms)
 
     def read(self, entry: Entry) -> list[Published]:
         """Read the next entry, and return the messages that it gives rise to."""

@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -135,6 +135,8 @@ class StepReader:
     ----------
     model
         The run's model.
+    keep
+        Number of the latest decisions, and the like, that its progress has; None: all of them.
 
     Attributes
     ----------
@@ -142,8 +144,8 @@ class StepReader:
         The state after the last entry read.
     """
 
-    def __init__(self, model: SortingModel) -> None:
-        self.progress = Progress.at_start(model)
+    def __init__(self, model: SortingModel, keep: int | None = None) -> None:
+        self.progress = Progress.at_start(model, keep)
         self._planner: dict[str, Any] | None = None
 
     def read(self, entry: Entry) -> Step | None:
@@ -157,6 +159,14 @@ class StepReader:
             step = Step(progress.steps + 1, entry, choice, *known, self._planner, alarms)
         progress.apply(entry)
         return step
+
+    def step_of(self, entry: Entry) -> int | None:
+        """Apply the next entry; return the number of its step if it is a look or a decision, or None."""
+        self.read(entry)
+        match entry.content:
+            case Scanned() | ScanUnusable() | ScanElsewhere() | Decided() | Skipped(decided=True):
+                return self.progress.steps or None
+        return None
 
 
 def action_of(named: Mapping[str, Any]) -> Move | Decide:
@@ -194,12 +204,7 @@ def with_steps(entries: Sequence[Entry]) -> Iterator[tuple[Entry, int | None]]:
         return
     reader = StepReader(model_of(entries))
     for entry in entries:
-        reader.read(entry)
-        match entry.content:
-            case Scanned() | ScanUnusable() | ScanElsewhere() | Decided() | Skipped(decided=True):
-                yield entry, reader.progress.steps or None
-            case _:
-                yield entry, None
+        yield entry, reader.step_of(entry)
 
 
 def incidents_of(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:
@@ -212,18 +217,21 @@ def incidents_of(entries: Sequence[Entry], step: Step) -> Iterator[Entry]:
                 yield entry
 
 
-def write_csv(entries: Sequence[Entry], path: Path) -> None:
-    """Write a row for each entry: number, time (UTC), kind, object, and data as JSON.
+def write_csv(entries: Iterable[Entry], path: Path) -> int:
+    """Write a row for each entry: number, time (UTC), kind, object, and data as JSON; return how many.
 
     Raises
     ------
     JournalError
         If the file cannot be written.
     """
+    number = 0
     try:
         with path.open("w", newline="") as file:
             rows = csv.writer(file)
             rows.writerow(COLUMNS)
-            rows.writerows((e.number, e.time, e.kind, e.object, json.dumps(e.data)) for e in entries)
+            for number, e in enumerate(entries, start=1):  # noqa: B007
+                rows.writerow((e.number, e.time, e.kind, e.object, json.dumps(e.data)))
     except OSError as reason:
         raise JournalError(f"cannot write {path}: {reason}; choose a writable path") from reason
+    return number

@@ -8,8 +8,16 @@ from pathlib import Path
 
 from beltsort.errors import JournalError, JournalNotWrittenError
 from beltsort.sorting.call_log import calls_in
-from beltsort.sorting.journal import read_journal
-from beltsort.sorting.journal_files import JOURNAL, copied, full_files, open_to_read, replaced, transaction
+from beltsort.sorting.journal import entries_of_journal, last_row
+from beltsort.sorting.journal_files import (
+    JOURNAL,
+    copied,
+    full_files,
+    open_to_read,
+    replaced,
+    rows_of,
+    transaction,
+)
 from beltsort.sorting.kept_scans import SCANS, kept_scans, scan_file
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.runs import CELL, MODEL, POLICY, TRUTH, journal_of
@@ -61,7 +69,7 @@ def backup_run(run: Path, target: Path) -> Backup:
         If the copy cannot be written.
     """
     journal = journal_of(run)
-    read_journal(journal)
+    last_row(journal)
     whole = target.suffix != ".sqlite"
     if target.exists():
         raise JournalError(
@@ -127,11 +135,10 @@ def _checked(copy: Path, path: Path) -> Backup:
         (found,) = database.execute("PRAGMA integrity_check(1)").fetchone()
     if found != "ok":
         raise JournalError(f"the copy {copy} is damaged ({found}): check the disk, and back up again")
-    entries = read_journal(copy)
-    first, last = entries[0].number, entries[-1].number
-    if len(entries) != last - first + 1:
+    ((first, last, count),) = rows_of(copy, "SELECT min(number), max(number), count(*) FROM entries")
+    if count != last - first + 1:
         raise JournalError(
-            f"the copy {copy} has {len(entries)} entries, expected all from {first} to {last}: the journal "
+            f"the copy {copy} has {count} entries, expected all from {first} to {last}: the journal "
             "lacks some; look at it with `beltsort show`"
         )
-    return Backup(path, first, last, Progress.after(entries).index)
+    return Backup(path, first, last, Progress.after(entries_of_journal(copy)).index)

@@ -4,6 +4,7 @@ from beltsort._core import Decide, Despot, Move, PolicyError
 from beltsort.cell import Cell
 from beltsort.cell.bins import bin_of
 from beltsort.cell.commands import MoveTo
+from beltsort.cell.protocols import KnowsClasses
 from beltsort.planning.decisions import best_bin, probability_right
 from beltsort.planning.policy import Policy
 from beltsort.sorting.commander import Commander
@@ -107,7 +108,7 @@ class Chooser:
         if self._model.bins[bin] == self._model.empty and rejected is None:
             self._record(Skipped(belt_end.empty, decided=True))
             return
-        into = bin if rejected is None else rejected
+        into, index = bin if rejected is None else rejected, self._progress.index
         self._record(
             Decided(
                 label=bin if rejected is None else None,
@@ -116,6 +117,7 @@ class Chooser:
                 looks=belt_end.looks,
                 forced=forced,
                 name=bin_of(self._cell, into).name,
+                true_class=self._cell.true_class(index) if isinstance(self._cell, KnowsClasses) else None,
             )
         )
 

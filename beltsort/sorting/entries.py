@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Literal, TypeAlias
 
 from beltsort.sorting.command import Command
 from beltsort.sorting.holds import Answer, Way
+from beltsort.sorting.report import Counts, Decision
 from beltsort.sorting.rules import Seen
 
 
@@ -245,6 +246,8 @@ class Decided(Content):
     """Why a rule decided; None if the policy did."""
     name: str | None = None
     """Name of the bin; None in journals of older versions."""
+    true_class: int | None = None
+    """Class index of the object, where the cell simulates it; None if it is not known."""
 
 
 @dataclass(frozen=True)
@@ -279,8 +282,8 @@ class Unheard(Content):
 class Snapshot(Content):
     """The state of a run without the objects that have left the belt: the first entry of a further file.
 
-    The fields are those of `beltsort.sorting.progress.Progress`, four of them under the names that the format
-    gave them first.
+    The fields are those of `beltsort.sorting.progress.Progress`; `decision` is the last one, if it is about
+    the object at the belt end. Journals of older versions have no `counts`.
     """
 
     kind = "snapshot"
@@ -294,26 +297,23 @@ class Snapshot(Content):
     arrived: bool
     steps: int
     commands: int
-    glances: int
-    """`Progress.scans`."""
-    strays: int = 0
-    """`Progress.missed_arrivals`."""
+    scans: int
+    missed_arrivals: int = 0
     stopped: float
     bin: int | None
     passed: list[int] = field(default_factory=list)
     belief: list[list[float]]
     last_labels: list[list[int]]
     kinds: list[list[float]] | None = None
-    owed: str
-    """`Progress.next`."""
+    next: str
     pending: Command | None
-    told: str | None = None
-    """`Progress.known_outcome`."""
+    known_outcome: str | None = None
     settled: Answer | None = None
     visible: list[Seen]
     drift: dict[str, Any] | None = None
     pose_faults: dict[str, int] | None = None
-    """`Progress.pose_faults`; None if there are none."""
+    counts: Counts | None = None
+    decision: Decision | None = None
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 COMMANDS = {Intended.kind: "command", Snapshot.kind: "pending"}
 """Fields that hold a command, by the entry's kind."""
 
+SNAPSHOT_NAMES = {"scans": "glances", "missed_arrivals": "strays", "next": "owed", "known_outcome": "told"}
+"""Fields of a snapshot that journals keep under another name, the one that the format gave them first."""
+
 
 def plain(content: AnyContent) -> dict[str, Any]:
     """Return the fields of an entry as plain data, fit for JSON."""
@@ -27,7 +30,7 @@ def plain(content: AnyContent) -> dict[str, Any]:
     match content:
         case Intended(command=Command() as command) | Snapshot(pending=Command() as command):
             data[COMMANDS[content.kind]] = stored(command)
-    return data
+    return _renamed(data, SNAPSHOT_NAMES) if isinstance(content, Snapshot) else data
 
 
 def content_of(kind: str, data: Mapping[str, Any]) -> AnyContent:
@@ -47,11 +50,18 @@ def content_of(kind: str, data: Mapping[str, Any]) -> AnyContent:
     field = COMMANDS.get(kind)
     if field is not None and isinstance(data, Mapping) and isinstance(command := data.get(field), Mapping):
         data = {**data, field: restored(command)}
+    if kind == Snapshot.kind and isinstance(data, Mapping):
+        data = _renamed(data, {stored: name for name, stored in SNAPSHOT_NAMES.items()})
     try:
         return adapter.validate_python(data)
     except ValidationError as reason:
         faults = (f"{'.'.join(map(str, fault['loc']))}: {fault['msg'].lower()}" for fault in reason.errors())
         raise ValueError(", ".join(faults)) from reason
+
+
+def _renamed(data: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    """Return data of which some fields have other names."""
+    return {names.get(name, name): value for name, value in data.items()}
 
 
 @lru_cache(maxsize=1)

@@ -74,6 +74,9 @@ Listener = Callable[[Entry], None]
 Listeners = Listener | Sequence[Listener | None] | None
 """One listener, several, or none."""
 
+BATCH = 1000
+"""Number of entries that are read at once."""
+
 WHOLE = (Started.kind, Snapshot.kind)
 """Kinds of entries before which nothing needs to be known to go on."""
 
@@ -112,7 +115,7 @@ class Journal:
     ) -> None:
         if path.exists() and not resume:
             raise JournalError(f"{path} exists already; a run never overwrites another: name a new file")
-        last = _last_row(path) if resume else None
+        last = last_row(path) if resume else None
         self.path = path
         self._listeners = listeners_of(listener)
         self._largest, self._keep = largest, keep
@@ -219,6 +222,8 @@ class Journal:
 def read_journal(path: Path) -> list[Entry]:
     """Return all entries of a journal that are still kept, also of one that is being written.
 
+    A journal of weeks takes much memory; `entries_of_journal` reads one entry after the other.
+
     Parameters
     ----------
     path
@@ -229,12 +234,19 @@ def read_journal(path: Path) -> list[Entry]:
     JournalError
         If the file is missing, damaged, empty, or no journal of this version.
     """
-    if not _files(path):
+    return list(entries_of_journal(path))
+
+
+def entries_of_journal(path: Path) -> Iterator[Entry]:
+    """Yield what `read_journal` returns, of which only `BATCH` entries are in memory at a time."""
+    if not files_of(path):
         raise _missing(path)
-    entries = entries_after(path, 0)
-    if not entries:
+    entries = iterate_after(path, 0)
+    first = next(entries, None)
+    if first is None:
         raise _empty(path)
-    return entries
+    yield first
+    yield from entries
 
 
 def entries_after(path: Path, number: int) -> list[Entry]:
@@ -245,44 +257,32 @@ def entries_after(path: Path, number: int) -> list[Entry]:
     JournalError
         If a file is damaged, or no journal of this version.
     """
-    # The file being written first: entries are copied from it to a full one before they are removed here.
-    newest = _read_file(path, number) if path.is_file() else []
-    if newest and newest[0].number == number + 1:
-        return newest
-    entries: list[Entry] = []
-    for file in full_files(path):
-        entries += _read_file(file, entries[-1].number if entries else number)
-    latest = entries[-1].number if entries else number
-    return [*entries, *(entry for entry in newest if entry.number > latest)]
+    return list(iterate_after(path, number))
 
 
-def has_entries(path: Path) -> bool:
-    """Return whether a journal has any entry that is still kept; one that does not exist has none.
+def iterate_after(path: Path, number: int, kinds: Sequence[str] = ()) -> Iterator[Entry]:
+    """Yield what `entries_after` returns, `BATCH` entries in memory; if `kinds` are given, only those.
 
-    Raises
-    ------
-    JournalError
-        If a file is damaged, or no journal of this version.
+    The database is not read between two batches, so that a slow reader holds up neither a run nor the file's
+    write-ahead log.
     """
-    return any(rows_of(file, "SELECT 1 FROM entries LIMIT 1") for file in _files(path))
+    while (batch := _batch(path, number))[1]:
+        file, rows = batch
+        yield from (entry_of(file, *row) for row in rows if not kinds or row[2] in kinds)
+        number = int(rows[-1][0])
 
 
-def newest_entries(path: Path) -> list[Entry]:
-    """Return the entries from the last start or snapshot on that begins a file; see `read_journal`."""
-    kinds = rows_of(path, "SELECT kind FROM entries ORDER BY number LIMIT 1") if path.is_file() else []
-    return _read_file(path, 0) if kinds and kinds[0][0] in WHOLE else read_journal(path)
-
-
-def entries_before(path: Path, number: int, kinds: Sequence[str]) -> Iterator[Entry]:
-    """Yield the entries of some kinds before entry `number` in the full files; see `read_journal`."""
-    known = ", ".join("?" * len(kinds))
-    query = f"SELECT * FROM entries WHERE number > ? AND number < ? AND kind IN ({known}) ORDER BY number"
-    last = 0
+def _batch(path: Path, number: int) -> tuple[Path, list[Any]]:
+    """Return the next rows that follow entry `number`, and which of the files has them."""
+    query = "SELECT * FROM entries WHERE number > ? ORDER BY number LIMIT ?"
+    # The file being written first: entries are copied from it to a full one before they are removed here.
+    newest = rows_of(path, query, number, BATCH) if path.is_file() else []
+    if newest and newest[0][0] == number + 1:
+        return path, newest
     for file in full_files(path):
-        for row in rows_of(file, query, last, number, *kinds):
-            entry = _entry(file, *row)
-            last = entry.number
-            yield entry
+        if (rows := rows_of(file, query, number, BATCH)) and (not newest or rows[0][0] < newest[0][0]):
+            return file, rows
+    return path, newest
 
 
 def listeners_of(given: Listeners) -> tuple[Listener, ...]:
@@ -293,7 +293,7 @@ def listeners_of(given: Listeners) -> tuple[Listener, ...]:
     return tuple(listener for listener in every if listener is not None)
 
 
-def _files(path: Path) -> list[Path]:
+def files_of(path: Path) -> list[Path]:
     """Return the files of a journal, oldest first."""
     return [file for file in (*full_files(path), path) if file.is_file()]
 
@@ -306,13 +306,19 @@ def _empty(path: Path) -> JournalError:
     return JournalError(f"{path} has no entries: the run was killed before it began; start it anew")
 
 
-def _last_row(path: Path) -> tuple[int, int | None]:
-    """Return number and object of the last entry of a journal."""
-    if not _files(path):
+def last_row(path: Path) -> tuple[int, int | None, str]:
+    """Return number, object and time of the last entry of a journal.
+
+    Raises
+    ------
+    JournalError
+        As `read_journal`.
+    """
+    if not files_of(path):
         raise _missing(path)
-    for file in reversed(_files(path)):
-        if rows := rows_of(file, "SELECT number, object FROM entries ORDER BY number DESC LIMIT 1"):
-            return int(rows[0][0]), rows[0][1]
+    for file in reversed(files_of(path)):
+        if rows := rows_of(file, "SELECT number, object, time FROM entries ORDER BY number DESC LIMIT 1"):
+            return int(rows[0][0]), rows[0][1], rows[0][2]
     raise _empty(path)
 
 
@@ -322,12 +328,14 @@ def _reads_alone(file: Path) -> bool:
         return first_kind(database) in WHOLE
 
 
-def _read_file(file: Path, after: int) -> list[Entry]:
-    rows = rows_of(file, "SELECT * FROM entries WHERE number > ? ORDER BY number", after)
-    return [_entry(file, *row) for row in rows]
+def entry_of(file: Path, number: int, time: str, kind: str, index: int | None, data: str) -> Entry:
+    """Return the entry that a row of a file holds.
 
-
-def _entry(file: Path, number: int, time: str, kind: str, index: int | None, data: str) -> Entry:
+    Raises
+    ------
+    JournalError
+        If this version does not know such an entry.
+    """
     try:
         return Entry(number, time, index, content_of(kind, json.loads(data)))
     except ValueError as reason:

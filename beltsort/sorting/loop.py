@@ -23,11 +23,12 @@ from beltsort.sorting.journal import Journal
 from beltsort.sorting.kept_scans import ScanListener
 from beltsort.sorting.observing import Observer
 from beltsort.sorting.perceived import NamesLabels, Perceive, PerceivedPosition
-from beltsort.sorting.progress import Next, Progress
+from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.requests import Request, drop_request, read_request
 from beltsort.sorting.rules import Drift, Rules
+from beltsort.sorting.run_state import Next
 from beltsort.util.text import number_or_none
 
 __all__ = ["NamesLabels", "Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
@@ -241,6 +242,7 @@ class _Loop:
             progress.steps,
             tuple(progress.decisions),
             tuple(progress.skipped),
+            progress.counts,
             progress.drift.alarms,
             tuple(progress.passed),
             dict(progress.pose_faults),

@@ -99,7 +99,7 @@ def object_history(entries: Sequence[Entry], number: int) -> ObjectHistory:
     JournalError
         If no entry is about this object; the error names those that it has.
     """
-    progress = Progress.at_start(model_of(entries))
+    progress = Progress.at_start(model_of(entries), keep=None)
     looks: list[Look] = []
     outcome: Decided | Skipped | None = None
     seen: set[int] = set()

@@ -4,17 +4,15 @@ The loop changes its state only by writing an entry and then applying it. A run 
 is therefore restored by applying its entries again.
 """
 
-import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from enum import Enum
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import chain
 from typing import Any, assert_never
 
 from beltsort._core import Belief, SortingModel
 from beltsort.cell.commands import AdvanceTo, MoveTo, Outcome, SortInto
 from beltsort.errors import JournalError
 from beltsort.sorting.command import Command
-from beltsort.sorting.drift_state import DriftState
 from beltsort.sorting.entries import (
     Answered,
     Chosen,
@@ -38,150 +36,40 @@ from beltsort.sorting.entries import (
     StateChanged,
     Unheard,
 )
-from beltsort.sorting.entry_format import plain_belief
 from beltsort.sorting.first_entry import model_of
-from beltsort.sorting.holds import Answer
 from beltsort.sorting.journal import Entry
-from beltsort.sorting.report import Decision
+from beltsort.sorting.report import Counts, Decision
 from beltsort.sorting.rules import Seen
+from beltsort.sorting.run_state import LATEST, Next, RunState
 
 
-class Next(Enum):
-    """The next thing that the loop does, unless a command is pending."""
+class Progress(RunState):
+    """The state of a run, which its entries change.
 
-    CHOOSE = "choice"
-    """Choose an action."""
-    SCAN = "scan"
-    """Scan from the current viewpoint."""
-    ADVANCE = "advance"
-    """Bring the next object to the belt end."""
-
-
-@dataclass
-class Progress:
-    """The state of a run.
-
-    Attributes
-    ----------
-    model
-        The model with which the belief is updated.
-    belief
-        Belief about the visible objects.
-    run
-        Name of the run, part of its commands' ids.
-    first
-        Number of the object at the belt end at the start.
-    objects
-        Number of objects to sort, empty cups included; None: until the run is told to stop.
-    belt_ends
-        Whether no objects follow; the belief then includes the number of objects left.
-    index
-        Number of the object at the belt end.
-    viewpoint
-        The camera's viewpoint, or the one to which it is to be moved.
-    arrived
-        Whether the camera is there; False at the start, and after a pause in which it may have been moved.
-    steps
-        Number of moves and decisions.
-    commands
-        Number of commands; repeated attempts do not count.
-    scans
-        Number of scans since the belt moved, unusable ones included.
-    missed_arrivals
-        Moves in a row that did not end at their viewpoint.
-    stopped
-        Time at which arm and belt last came to a stop, seconds on the cell's clock.
-    next
-        What to do next, once no command is pending.
-    pending
-        The command that is not known to be done, in its latest attempt.
-    known_outcome
-        The outcome of that attempt if it is certain: it was refused, or an operator has said so.
-    settled
-        The answer that a person has given to the open question from outside the process of the run, until it
-        is used; None if there is none.
-    bin
-        Index of the cell's bin for the object at the belt end, from the decision until it has been sorted.
-    visible
-        What is known about each visible object besides the belief.
-    drift
-        State of drift detection.
-    pose_faults
-        Number of scans by what is likely wrong with their pose, if anything.
-    decisions, skipped, passed
-        The decisions, and the numbers of the objects that were skipped or passed the belt end unsorted.
+    The attributes are those of `beltsort.sorting.run_state.RunState`.
     """
 
-    model: SortingModel
-    belief: Belief
-    run: str = ""
-    first: int = 0
-    objects: int | None = 0
-    belt_ends: bool = False
-    index: int = 0
-    viewpoint: int = 0
-    arrived: bool = False
-    steps: int = 0
-    commands: int = 0
-    scans: int = 0
-    missed_arrivals: int = 0
-    stopped: float = 0.0
-    next: Next = Next.CHOOSE
-    pending: Command | None = None
-    known_outcome: Outcome | None = None
-    settled: Answer | None = None
-    bin: int | None = None
-    visible: list[Seen] = field(default_factory=list)
-    drift: DriftState = field(default_factory=DriftState)
-    pose_faults: dict[str, int] = field(default_factory=dict)
-    decisions: list[Decision] = field(default_factory=list)
-    skipped: list[int] = field(default_factory=list)
-    passed: list[int] = field(default_factory=list)
-
     @classmethod
-    def at_start(cls, model: SortingModel) -> "Progress":
+    def at_start(cls, model: SortingModel, keep: int | None = LATEST) -> "Progress":
         """Return the state before the first entry."""
-        return cls(model, Belief(model), visible=[Seen() for _ in range(model.positions)])
+        seen = [Seen() for _ in range(model.positions)]
+        return cls(model, Belief(model), visible=seen, counts=Counts.none(model), keep=keep)
 
     @classmethod
-    def after(cls, entries: Sequence[Entry]) -> "Progress":
-        """Return the state after the entries of a run, from its start or a snapshot on.
+    def after(cls, entries: Iterable[Entry], keep: int | None = LATEST) -> "Progress":
+        """Return the state after the entries of a run, from its start or a snapshot on: at least one.
 
         Raises
         ------
         JournalError
             If the first entry is another, or an entry contradicts those before it.
         """
-        progress = cls.at_start(model_of(entries))
-        for entry in entries:
+        following = iter(entries)
+        first = next(following)
+        progress = cls.at_start(model_of([first]), keep)
+        for entry in chain([first], following):
             progress.apply(entry)
         return progress
-
-    @property
-    def done(self) -> bool:
-        """Whether every object has left the belt end."""
-        return self.index >= self.end and self.pending is None
-
-    @property
-    def end(self) -> int:
-        """The number that follows the last object's; larger than any if their number is not limited."""
-        return sys.maxsize if self.objects is None else self.first + self.objects
-
-    @property
-    def left(self) -> int | None:
-        """Number of objects that have not left the belt end; None if their number is not limited."""
-        return None if self.objects is None else max(0, self.end - self.index)
-
-    @property
-    def remaining(self) -> int | None:
-        """Number of objects left, including the one at the belt end; None if the belt never ends."""
-        return self.left if self.belt_ends else None
-
-    @property
-    def taken(self) -> bool:
-        """Whether the object at the belt end has been sorted."""
-        decided = bool(self.decisions) and self.decisions[-1].object == self.index
-        return decided and self.bin is None
 
     def apply(self, entry: Entry) -> None:
         """Update the state with an entry.
@@ -224,12 +112,13 @@ class Progress:
                 self._decide(decided)
             case Skipped(decided=was_planned):
                 self.steps += int(was_planned)
-                self.skipped.append(self.index)
+                self.keep_latest(self.skipped, [self.index])
+                self.counts = replace(self.counts, skipped=self.counts.skipped + 1)
                 self.next = Next.ADVANCE
             case Requested(action="continue"):
                 self.arrived, self.missed_arrivals = False, 0  # the arm may have been moved meanwhile
             case Snapshot() as snapshot:
-                self._restore(snapshot)
+                self.restore(snapshot)
             case StateChanged() | Planned() | Chosen() | Requested() | Unheard() | Ended():
                 pass  # information for people only
             case content:
@@ -274,10 +163,12 @@ class Progress:
 
     def _pass(self, index: int) -> None:
         """Continue at object `index`; those that passed the belt end unsorted are lost to the run."""
-        if self.bin is not None:
-            self.decisions.pop()  # the object never reached its bin
+        if self.bin is not None and self.decisions:  # the object never reached its bin
+            self.counts = self.counts.with_decision(self.decisions.pop(), self.model, -1)
         finished = self.next is Next.ADVANCE and self.bin is None  # sorted or skipped
-        self.passed += range(self.index + finished, min(index, self.end))
+        passed = range(self.index + finished, min(index, self.end))
+        self.keep_latest(self.passed, passed)
+        self.counts = replace(self.counts, passed=self.counts.passed + len(passed))
         self.pending = self.known_outcome = self.settled = self.bin = None
         while self.index < min(index, self.end):
             self._shift(self.index + 1)
@@ -305,44 +196,12 @@ class Progress:
 
     def _decide(self, decided: Decided) -> None:
         self.steps += 1
-        self.decisions.append(
-            Decision(self.index, decided.label, decided.belief, decided.looks, decided.forced)
-        )
+        decision = decision_of(self.index, decided)
+        self.keep_latest(self.decisions, [decision])
+        self.counts = self.counts.with_decision(decision, self.model)
         self.bin, self.next = decided.bin, Next.ADVANCE
 
-    def snapshot(self) -> Snapshot:
-        """Return the state without the objects that have left the belt."""
-        return Snapshot(
-            **{name: getattr(self, name) for name in _SAME_NAME},
-            model=self.model.to_json(),
-            glances=self.scans,
-            strays=self.missed_arrivals,
-            owed=self.next.value,
-            told=None if self.known_outcome is None else self.known_outcome.value,
-            passed=list(self.passed),
-            **plain_belief(self.belief),
-            visible=[replace(seen) for seen in self.visible],
-            drift=self.drift.snapshot(),
-            pose_faults=dict(self.pose_faults) or None,
-        )
 
-    def _restore(self, snapshot: Snapshot) -> None:
-        for name in _SAME_NAME:
-            setattr(self, name, getattr(snapshot, name))
-        self.scans, self.missed_arrivals = snapshot.glances, snapshot.strays
-        self.next = Next(snapshot.owed)
-        self.known_outcome = None if snapshot.told is None else Outcome(snapshot.told)
-        kinds = snapshot.kinds or snapshot.belief
-        self.belief = Belief(self.model, kinds, snapshot.last_labels, self.remaining)
-        self.visible = [replace(seen) for seen in snapshot.visible]
-        self.passed = list(snapshot.passed)
-        self.pose_faults = dict(snapshot.pose_faults or {})
-        if snapshot.drift is not None:
-            self.drift = DriftState.of_snapshot(self.model, snapshot.drift)
-
-
-_SAME_NAME = (
-    *("run", "first", "objects", "belt_ends", "index", "viewpoint", "arrived", "steps", "commands"),
-    *("stopped", "bin", "pending", "settled"),
-)
-"""Attributes that a snapshot stores under the same name."""
+def decision_of(index: int, decided: Decided) -> Decision:
+    """Return the decision about object `index` that an entry holds."""
+    return Decision(index, decided.label, decided.belief, decided.looks, decided.forced, decided.true_class)

@@ -1,9 +1,8 @@
 """The report of a run."""
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +33,8 @@ class Decision:
         Scans in which it was visible.
     forced
         Why the loop decided in place of the policy: `max_looks` or `impossible_labels`; else None.
+    true_class
+        Its class index, where the cell simulates it; None if it is not known.
     """
 
     object: int
@@ -41,6 +42,76 @@ class Decision:
     belief: float
     looks: int
     forced: str | None
+    true_class: int | None = None
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Numbers of objects that have left the belt end: all that grows in a run without a fixed end.
+
+    Attributes
+    ----------
+    bins
+        Decisions for each of the model's B bins, and for the reject bin, the last.
+    skipped, passed
+        Empty cups, and objects that passed the belt end unsorted.
+    forced
+        Decisions that a rule has forced.
+    confusion
+        Decisions by bin and true class, shape (B, L), where the cell simulates the objects; otherwise, and
+        before the first of them, None. Objects in the reject bin are left out.
+    """
+
+    bins: tuple[int, ...]
+    skipped: int = 0
+    passed: int = 0
+    forced: int = 0
+    confusion: tuple[tuple[int, ...], ...] | None = None
+
+    @classmethod
+    def none(cls, model: SortingModel) -> Self:
+        """Return the counts before the first object."""
+        return cls((0,) * (len(model.bins) + 1))
+
+    @property
+    def sorted(self) -> int:
+        """Number of decisions."""
+        return sum(self.bins)
+
+    def with_decision(self, decision: Decision, model: SortingModel, number: int = 1) -> "Counts":
+        """Return the counts after a decision, or with -1 as `number`, without one that was counted."""
+        place = len(self.bins) - 1 if decision.label is None else decision.label
+        confusion = self.confusion
+        if decision.true_class is not None and decision.label is not None:
+            table = np.array(confusion or np.zeros((len(model.bins), len(model.classes)), dtype=np.int64))
+            table[decision.label, decision.true_class] += number
+            confusion = tuple(map(tuple, table.tolist()))
+        return replace(
+            self,
+            bins=(*self.bins[:place], self.bins[place] + number, *self.bins[place + 1 :]),
+            forced=self.forced + number * (decision.forced is not None),
+            confusion=confusion,
+        )
+
+    def added(self, other: "Counts") -> "Counts":
+        """Return the sum of these counts and those of other objects, whose true classes are not known."""
+        return replace(
+            self,
+            bins=tuple(map(sum, zip(self.bins, other.bins, strict=True))),
+            skipped=self.skipped + other.skipped,
+            passed=self.passed + other.passed,
+            forced=self.forced + other.forced,
+        )
+
+    def by_bin(self, bins: Sequence[str]) -> dict[str, int]:
+        """Return the number of decisions for each bin that has any, `REJECTED` last.
+
+        Parameters
+        ----------
+        bins
+            Names of the model's bins.
+        """
+        return {name: count for name, count in zip([*bins, REJECTED], self.bins, strict=True) if count}
 
 
 @dataclass(frozen=True)
@@ -52,13 +123,15 @@ class SortingReport:
     steps
         Planner steps: moves and decisions.
     decisions
-        One per object sorted, in order.
+        One per object sorted, in order; the latest 1000.
     skipped
-        Numbers of the cups found empty.
+        Numbers of the cups found empty; the latest 1000.
     drift
         Alarms of drift detection.
     passed
-        Numbers of the objects that passed the belt end unsorted, according to the operator.
+        Numbers of the objects that passed the belt end unsorted, according to the operator; the latest 1000.
+    counts
+        How many objects there were of each, from the start of the run.
     pose_faults
         Number of scans by what is likely wrong with their pose, if anything.
     stopped_by
@@ -68,22 +141,11 @@ class SortingReport:
     steps: int
     decisions: tuple[Decision, ...]
     skipped: tuple[int, ...]
+    counts: Counts
     drift: "tuple[Alarm, ...]" = ()
     passed: tuple[int, ...] = ()
     pose_faults: Mapping[str, int] = field(default_factory=dict)
     stopped_by: str | None = None
-
-    def counts(self, bins: Sequence[str]) -> dict[str, int]:
-        """Return the number of objects in each of the model's bins that has any, `REJECTED` last.
-
-        Parameters
-        ----------
-        bins
-            Names of the model's bins.
-        """
-        names = [*bins, REJECTED]
-        counts = Counter(names[-1 if d.label is None else d.label] for d in self.decisions)
-        return {name: counts[name] for name in names if counts[name]}
 
 
 def confusion(

@@ -11,8 +11,8 @@ from pathlib import Path
 from beltsort._core import ArgumentError
 from beltsort.cell.commands import SortInto
 from beltsort.errors import InUseError, JournalError
-from beltsort.sorting.journal import has_entries
 from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.journal_queries import has_entries
 from beltsort.sorting.locks import holder_of, in_use, locked
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.runs import DRY_RUN, LOCK, REMOVED, cell_file_of

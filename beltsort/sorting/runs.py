@@ -11,8 +11,9 @@ from beltsort.cell.protocols import Cell
 from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.holds import Operator, nobody
-from beltsort.sorting.journal import Journal, Listeners, has_entries
+from beltsort.sorting.journal import Journal, Listeners
 from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.journal_queries import has_entries
 from beltsort.sorting.kept_scans import ScanKeeper, ScanListener, all_of
 from beltsort.sorting.loop import Check, nothing, sort_objects
 from beltsort.sorting.perceived import Perceive

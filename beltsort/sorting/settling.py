@@ -1,18 +1,20 @@
 """Answers that a person gives to a run's question from outside its process."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from beltsort._core import ArgumentError
 from beltsort.cell.commands import SortInto
 from beltsort.errors import InUseError
-from beltsort.sorting.entries import Answered, ObjectsPassed, Resumed, Settled, Started, StateChanged
+from beltsort.sorting.entries import Answered, Ended, ObjectsPassed, Resumed, Settled, Started, StateChanged
 from beltsort.sorting.holds import Answer, Reply, Way
-from beltsort.sorting.journal import Entry, Journal, read_journal
+from beltsort.sorting.journal import Entry, Journal
 from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.journal_queries import entries_since
 from beltsort.sorting.locks import locked
 from beltsort.sorting.progress import Progress
+from beltsort.sorting.record import progress_in
 from beltsort.sorting.requests import signature, takes_requests, write_reply
 from beltsort.sorting.runs import LOCK
 
@@ -41,7 +43,19 @@ class Question:
         return tuple(way.answer for way in self.ways if way.answer is not None)
 
 
-def open_question(entries: Sequence[Entry]) -> Question | None:
+TELLING = (
+    *(StateChanged.kind, Started.kind, Resumed.kind, Ended.kind),
+    *(Settled.kind, Answered.kind, ObjectsPassed.kind),
+)
+"""Kinds of entries that tell the state of a run, and whether it has an open question."""
+
+
+def telling_entries(path: Path) -> Iterator[Entry]:
+    """Yield the entries of a journal that tell the state of the run, from its last change of state on."""
+    return entries_since(path, StateChanged.kind, TELLING)
+
+
+def open_question(entries: Iterable[Entry]) -> Question | None:
     """Return the question at which a run is held, from its entries; None if there is none."""
     found: Question | None = None
     for entry in entries:
@@ -101,11 +115,11 @@ def settle(folder: Path, answer: Answer, through: str, question: int | None = No
     reply = Reply(answer, *signature(through))
     try:
         with locked(f"the run {folder}", folder / LOCK):
-            _checked(read_journal(folder / JOURNAL), answer, question)
+            _checked(folder, answer, question)
             with Journal(folder / JOURNAL, resume=True) as journal:
                 journal.append(Settled(reply.answer, reply.by, reply.at))
     except InUseError as reason:
-        asked = _checked(read_journal(folder / JOURNAL), answer, question)
+        asked = _checked(folder, answer, question)
         if asked is None:
             raise ArgumentError(
                 f"the answer is {answer}, but the run is under way and waits for none: leave it out"
@@ -119,12 +133,13 @@ def settle(folder: Path, answer: Answer, through: str, question: int | None = No
     return reply
 
 
-def _checked(entries: Sequence[Entry], answer: Answer, question: int | None) -> Question | None:
+def _checked(folder: Path, answer: Answer, question: int | None) -> Question | None:
     """Return the open question after checking that it may have an answer; None if none was asked yet."""
-    asked = open_question(entries)
+    journal = folder / JOURNAL
+    asked = open_question(telling_entries(journal))
     if question is not None and (asked is None or asked.entry != question):
         raise ArgumentError("the question is no longer open: look at the run again")
-    known = may_answer(answer, Progress.after(entries)) if asked is None else answer in asked.answers
+    known = may_answer(answer, progress_in(journal)) if asked is None else answer in asked.answers
     if not known:
         answers = ", ".join(asked.answers) if asked is not None and asked.answers else "no answer"
         raise ArgumentError(

@@ -1,19 +1,23 @@
 """The state of a run as seen from another process."""
 
-from collections import Counter
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from beltsort.sorting.entries import Ended, Resumed, Started, State, StateChanged
+from beltsort.sorting.entries import (
+    Ended,
+    Resumed,
+    Started,
+    State,
+    StateChanged,
+)
 from beltsort.sorting.entry_text import in_words
-from beltsort.sorting.journal import read_journal
+from beltsort.sorting.journal import last_row
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.locks import holder_of, in_use
-from beltsort.sorting.progress import Progress
-from beltsort.sorting.report import REJECTED
+from beltsort.sorting.record import progress_in
 from beltsort.sorting.runs import LOCK
-from beltsort.sorting.settling import Question, open_question
+from beltsort.sorting.settling import Question, open_question, telling_entries
 
 
 class Condition(StrEnum):
@@ -52,7 +56,7 @@ class RunStatus:
     left
         Number of objects that have not left the belt end; None if their number is not limited.
     bins
-        Number of objects in each bin that has any, as far as the journal is kept.
+        Number of objects in each bin that has any, from the start of the run.
     skipped, passed
         Numbers of empty cups, and of objects that passed the belt end unsorted.
     steps
@@ -92,8 +96,9 @@ def status_of(folder: Path) -> RunStatus:
         If there is no journal, or it is damaged.
     """
     used = in_use(folder / LOCK)  # before the entries: a run that ends in between has not been killed
-    entries = read_journal(folder / JOURNAL)
-    progress = Progress.after(entries)
+    progress = progress_in(folder / JOURNAL)
+    entries = list(telling_entries(folder / JOURNAL))
+    _number, _object, updated = last_row(folder / JOURNAL)
     latest, ended = StateChanged(State.EXECUTE, ""), False
     for entry in entries:
         match entry.content:
@@ -107,9 +112,9 @@ def status_of(folder: Path) -> RunStatus:
     holder = holder_of(folder / LOCK) if alive else None
     state = latest.state
     running = state in (State.EXECUTE, State.COMPLETE)
-    names = [*progress.model.bins, REJECTED]
-    done = progress.decisions if progress.bin is None else progress.decisions[:-1]
-    counts = Counter(names[-1 if decision.label is None else decision.label] for decision in done)
+    counts = progress.counts
+    if progress.bin is not None and progress.decisions:  # the object is being sorted
+        counts = counts.with_decision(progress.decisions[-1], progress.model, -1)
     return RunStatus(
         folder,
         _condition(state, alive=alive, ended=ended),
@@ -118,11 +123,11 @@ def status_of(folder: Path) -> RunStatus:
         progress.index,
         progress.objects,
         progress.left,
-        {name: counts[name] for name in names if counts[name]},
-        len(progress.skipped),
-        len(progress.passed),
+        counts.by_bin(progress.model.bins),
+        counts.skipped,
+        counts.passed,
         progress.steps,
-        entries[-1].time,
+        updated,
         open_question(entries),
     )
 

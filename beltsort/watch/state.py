@@ -12,8 +12,8 @@ from beltsort.planning.decisions import right_bins
 from beltsort.planning.explanation import action_in_words
 from beltsort.sorting.audit import action_of
 from beltsort.sorting.entries import Planned, State
-from beltsort.sorting.progress import Next
 from beltsort.sorting.report import REJECTED, Decision, confusion
+from beltsort.sorting.run_state import Next
 from beltsort.sorting.settling import Question
 from beltsort.watch.history import Alarm, Moment, RunHistory, ScanMark, most_likely
 

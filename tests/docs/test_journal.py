@@ -6,7 +6,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import get_args
 
-from beltsort.sorting.entries import AnyContent
+from beltsort.sorting.entries import AnyContent, Snapshot
+from beltsort.sorting.entry_format import SNAPSHOT_NAMES
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.journal_files import JOURNAL, VERSION
 
@@ -34,7 +35,8 @@ def test_every_kind_has_its_fields() -> None:
     for form in get_args(AnyContent):
         for field in fields(form):
             known = real.setdefault(form.kind, {})
-            known[field.name] = known.get(field.name, True) and field.default is None
+            name = SNAPSHOT_NAMES.get(field.name, field.name) if form is Snapshot else field.name
+            known[name] = known.get(name, True) and field.default is None
     documented = {
         kind.strip("`"): {name: bool(bracket) for bracket, name in re.findall(r"(\[?)`(\w+)`", row)}
         for kind, row, _ in rows_of("kind")

@@ -70,7 +70,7 @@ def sorts(cell: ScriptedCell) -> list[int]:
 def test_decisions_are_bins(whole: tuple[SortingReport, PlantCell], folder: Path) -> None:
     report, cell = whole
     assert sorts(cell) == [decision.label for decision in report.decisions]
-    assert sum(report.counts(BINS).values()) == OBJECTS
+    assert sum(report.counts.by_bin(BINS).values()) == OBJECTS
     entries = read_journal(folder / "journal.sqlite")
     into = [e.content.bin for e in entries if isinstance(e.content, Intended) and e.content.bin is not None]
     assert into == [e.content.name for e in entries if isinstance(e.content, Decided)]
@@ -165,7 +165,7 @@ def test_looking_ends_with_the_bin_that_earns_most(tmp_path: Path, reject_bin: i
         assert decision.belief == pytest.approx(probability_right(step.belief, best))
     likely = [step.belief.most_likely(0)[0] for step in steps_of(entries) if step.reason]
     assert [BIN_OF[c] for c in likely] != sorts(cell), "the bin that earns most is another one's at times"
-    assert report.counts(BINS).get("rejected", 0) == (OBJECTS if reject_bin else 0)
+    assert report.counts.by_bin(BINS).get("rejected", 0) == (OBJECTS if reject_bin else 0)
 
 
 def test_equal_bins_are_decided_in_order() -> None:

@@ -56,8 +56,8 @@ STORED = lines_of("kinds.jsonl")
 START = Started(run="a", objects=1, model="")
 RESUME = Resumed(objects=1, model="")
 SNAPSHOT = Snapshot(
-    model="", run="a", objects=1, index=0, viewpoint=0, arrived=True, steps=0, commands=0, glances=0,
-    stopped=0.0, bin=None, belief=[[0.5, 0.5]], last_labels=[[-1]], owed="choice", pending=None, visible=[],
+    model="", run="a", objects=1, index=0, viewpoint=0, arrived=True, steps=0, commands=0, scans=0,
+    stopped=0.0, bin=None, belief=[[0.5, 0.5]], last_labels=[[-1]], next="choice", pending=None, visible=[],
 )  # fmt: skip
 
 

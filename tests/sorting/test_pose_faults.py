@@ -7,7 +7,7 @@ import pytest
 
 import beltsort
 from beltsort.cell import Scan
-from beltsort.cli.show import show
+from beltsort.cli.show import show_progress
 from beltsort.sorting.entries import Scanned
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.loop import sort_objects
@@ -46,5 +46,5 @@ def test_faults_are_counted_and_told(tmp_path: Path) -> None:
 def test_show_tells_each_kind(capsys: pytest.CaptureFixture[str]) -> None:
     progress = Progress.at_start(PAPER)
     progress.pose_faults = {FAULT: 7}
-    show([], progress)
+    show_progress(progress)
     assert f"7 scans do not show the belt where their pose says; likely: {FAULT}" in capsys.readouterr().out

@@ -15,8 +15,9 @@ from beltsort import ArgumentError
 from beltsort.cell import CommandError
 from beltsort.errors import JournalError
 from beltsort.sorting.holds import HeldError
-from beltsort.sorting.journal import Journal, has_entries, read_journal
+from beltsort.sorting.journal import Journal, read_journal
 from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.journal_queries import has_entries
 from beltsort.sorting.retention import Pruning, old_runs, prune, prune_quietly
 from beltsort.sorting.runs import CELL, DRY_RUN, LOCK, REMOVED, journal_of, unfinished_run
 from tests.sorting.test_recovery import PAPER, Controller, begin
