@@ -49,10 +49,21 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class SeenScan:
-    """A scan that was used: its journal entry, and the candidate of each position, belt frame, metres."""
+    """A scan that was used, and how far its objects have moved since.
+
+    Attributes
+    ----------
+    content
+        The content of its journal entry.
+    candidates
+        The candidate of each position, belt frame, metres; None where there is none.
+    moved
+        Number of positions by which the belt has moved since.
+    """
 
     content: Scanned
     candidates: Sequence[Points | None]
+    moved: int = 0
 
     @classmethod
     def of(cls, content: Scanned, _scan: Scan, perceived: Sequence[PerceivedPosition]) -> "SeenScan":
@@ -72,7 +83,7 @@ def markers_of(scene: Scene, frame: str, labels: Sequence[str], seen: SeenScan |
     labels
         Names of the model's labels.
     seen
-        The last scan; None before the first.
+        The last scan, whose candidates move with the belt and leave it at its end; None before the first.
     """
     drawing = _Drawing(frame)
     current = None if seen is None else seen.content.viewpoint
@@ -148,15 +159,21 @@ def _candidates(
 ) -> Iterator[Message]:
     """Yield the points of each candidate in the colour of its label, and the label above it."""
     content = seen.content
-    for position, (label, finding) in enumerate(zip(content.labels, content.findings, strict=True)):
-        points = seen.candidates[position]
+    for position in range(len(content.labels)):
+        place = position + seen.moved  # that of the object when it was scanned
+        if place >= len(content.labels):
+            for ns, kind in (("candidates", DOTS), ("labels", TEXT)):
+                yield {**drawing.marker(ns, position, kind, GREY), "action": DELETE}
+            continue
+        label, finding, points = content.labels[place], content.findings[place], seen.candidates[place]
         colour = GREY if label is None else COLOURS[label % len(COLOURS)]
         dots = drawing.marker("candidates", position, DOTS, colour, scale={"x": POINT, "y": POINT})
         if points is None or len(points) == 0:
             yield {**dots, "action": DELETE}
         else:
             shown = points[np.linspace(0, len(points) - 1, min(MOST_POINTS, len(points))).astype(np.intp)]
-            yield {**dots, "points": [_point(point) for point in shown]}
+            way = layout.centre(position) - layout.centre(place)
+            yield {**dots, "points": [_point(point + way) for point in shown]}
         above = layout.centre(position) + np.array([0.0, 0.0, layout.crop_height])
         name = finding if label is None else labels[label]
         yield drawing.text("labels", position, above, f"{position_number(position)}: {name}")

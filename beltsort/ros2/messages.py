@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import NamedTuple, TypeAlias
 
 from beltsort.cell.bins import REJECT
-from beltsort.cell.commands import AdvanceTo
+from beltsort.cell.commands import Act, AdvanceTo
 from beltsort.sorting.entries import (
     CommandDone,
     Decided,
@@ -75,23 +75,26 @@ class RunMessages:
         Whether the run is held.
     question
         The question at which it is held, to which a request to continue is no answer; None if there is none.
+    moved
+        Number of positions by which the belt has moved with the last entry.
     """
 
     def __init__(self) -> None:
         self.held = False
         self.question: Question | None = None
+        self.moved = 0
         self._formatter = EntryFormatter()
         self._counts = RunCounts()
         self._run, self._state, self._reason = "", State.EXECUTE, ""
         self._objects: int | None = None
         self._viewpoint, self._last = "", ""
-        self._advancing = False
-        self._belief: list[list[float]] | None = None
+        self._advancing: int | None = None
+        self._broken_off: Progress | None = None
         self._values: dict[str, str] = {}
 
     def resume(self, progress: Progress) -> None:
         """Continue with a run that is resumed, whose entries do not say where it was."""
-        self._run, self._belief = progress.run, progress.belief.probabilities.tolist()
+        self._run, self._broken_off = progress.run, progress
         counts, known = self._counts, progress.counts
         counts.sorted, counts.empty, counts.forced = known.sorted, known.skipped, known.forced
         counts.passed, counts.drift = known.passed, len(progress.drift.alarms)
@@ -100,25 +103,41 @@ class RunMessages:
         """Read the next entry, and return the messages that it gives rise to."""
         self._last = self._formatter.text(entry) or self._last
         published: list[Published] = []
+        self.moved = self._moved(entry)
         match entry.content:
             case Started(run=run):
                 self._run = run
                 published.append(self._belief_message())
             case Resumed():
-                self._formatter.belief = self._belief or self._formatter.belief
+                if (before := self._broken_off) is not None:
+                    self._formatter.continue_from(before.belief.probabilities.tolist(), before.index)
                 published.append(self._belief_message())
             case Scanned(viewpoint=viewpoint):
                 self._viewpoint = self._formatter.viewpoints[viewpoint]
                 published.append(self._belief_message())
-            case Intended(command):
-                self._advancing = isinstance(command.act, AdvanceTo)
-            case CommandDone() if self._advancing:
-                self._advancing = False
+            case CommandDone() | ObjectsPassed() if self.moved > 0:
                 published.append(self._belief_message())
             case Decided() as decided:
                 published.append(Published(DECISION.name, self._decision(entry, decided)))
         self._count(entry)
         return [*self._state_message(entry), *published]
+
+    def _moved(self, entry: Entry) -> int:
+        """Return by how many positions the belt has moved with an entry, and let the belief follow."""
+        arrived: int | None = None
+        match entry.content:
+            case Resumed() if (before := self._broken_off) is not None and before.pending is not None:
+                self._advancing = _target(before.pending.act)
+            case Intended(command):
+                self._advancing = _target(command.act)
+            case CommandDone():
+                arrived, self._advancing = self._advancing, None
+            case ObjectsPassed(arrived):
+                self._advancing = None
+        if arrived is None or entry.object is None:
+            return 0
+        self._formatter.advance_to(arrived)
+        return max(0, arrived - entry.object)
 
     def _count(self, entry: Entry) -> None:
         """Update state and counts."""
@@ -200,6 +219,11 @@ class RunMessages:
             "values": pairs,
         }
         return {"header": {"stamp": stamp_of(entry.time), "frame_id": ""}, "status": [status]}
+
+
+def _target(act: Act) -> int | None:
+    """Return the object that a command brings to the belt end; None if it is not about the belt."""
+    return act.object if isinstance(act, AdvanceTo) else None
 
 
 def stamp_of(time: str) -> Message:

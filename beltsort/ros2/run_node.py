@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from queue import Full, Queue
 from threading import Lock, Thread
@@ -83,6 +83,7 @@ class RunNode:
             self._messages.resume(run.broken_off)
         self._ending, self._given_up, self._telling = False, False, Lock()
         self._process: NodeProcess | None = None
+        self._seen: SeenScan | None = None
         self._thread = Thread(target=self._work, name="ros2", daemon=True)
 
     def __enter__(self) -> Self:
@@ -135,6 +136,7 @@ class RunNode:
             self._send(process, self._markers(None))
             while not self._given_up and (what := self._queue.get()) is not None:
                 if isinstance(what, SeenScan):
+                    self._seen = what
                     self._send(process, self._markers(what))
                 else:
                     self._publish(process, what)
@@ -153,6 +155,9 @@ class RunNode:
     def _publish(self, process: NodeProcess, entry: Entry) -> None:
         for published in self._messages.read(entry):
             self._send(process, published)
+        if self._messages.moved > 0 and self._seen is not None:
+            self._seen = replace(self._seen, moved=self._seen.moved + self._messages.moved)
+            self._send(process, self._markers(self._seen))
         if isinstance(entry.content, StateChanged):
             process.ask("follow", PUBLISH_TIMEOUT, held=self._messages.held)
 

@@ -15,6 +15,7 @@ from beltsort.sorting.entries import (
     Decided,
     Drifted,
     Intended,
+    ObjectsPassed,
     Planned,
     Requested,
     Resumed,
@@ -79,6 +80,7 @@ class EntryFormatter:
         self.viewpoints: list[str] = []
         self.belief: list[list[float]] = []
         self._arrival: list[float] = []
+        self._first_row: int | None = None  # number of the object that the belief's first row is about
         self._pose_faults: set[str] = set()
 
     def format(self, entry: Entry) -> str | None:
@@ -88,6 +90,7 @@ class EntryFormatter:
 
     def text(self, entry: Entry) -> str | None:
         """Return the text of an entry, or None for an entry that is not shown."""
+        self._follow(entry)
         match entry.content:
             case Started() | Snapshot() | Resumed() as first if not self.classes:
                 text = self._start(first)
@@ -117,10 +120,32 @@ class EntryFormatter:
                 again = f", attempt {command.attempt}" if command.attempt > 1 else ""
                 text = f"into {Bin(name, number)}{again}"
             case Skipped():
-                text = self._skip()
+                text = "empty cup, skipped"
             case _:
                 return None
         return text
+
+    def continue_from(self, belief: list[list[float]], index: int) -> None:
+        """Continue with the belief of a run that is resumed with object `index` at the belt end."""
+        self.belief, self._first_row = belief, index
+
+    def advance_to(self, index: int) -> None:
+        """Shift the belief, as when object `index` arrives at the belt end; done once for each object."""
+        if self._first_row is not None and index > self._first_row:
+            gone = min(index - self._first_row, len(self.belief))
+            self.belief = [*self.belief[gone:], *[self._arrival] * gone]
+            self._first_row = index
+
+    def _follow(self, entry: Entry) -> None:
+        """Let the belief follow the belt, from a decision on, which takes the object off it."""
+        match entry.content:
+            case Scanned():
+                self._first_row = entry.object
+            case Decided() | Skipped() if entry.object is not None:
+                self._first_row = entry.object
+                self.advance_to(entry.object + 1)
+            case ObjectsPassed(index):
+                self.advance_to(index)
 
     def why(self, plan: Planned | Chosen) -> str:
         """Return the values of the plan's best and second-best action, or the reason given by a rule."""
@@ -194,12 +219,4 @@ class EntryFormatter:
     def _decision(self, decided: Decided) -> str:
         what = "reject" if decided.label is None else f"decide {self.bins[decided.label]}"
         forced = f", forced: {forced_in_words(decided.forced)}" if decided.forced else ""
-        self._shift()
         return f"{what}  (belief {decided.belief:.3f}, {counted(decided.looks, 'look')}{forced})"
-
-    def _skip(self) -> str:
-        self._shift()
-        return "empty cup, skipped"
-
-    def _shift(self) -> None:
-        self.belief = [*self.belief[1:], self._arrival]

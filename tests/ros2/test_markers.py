@@ -1,6 +1,7 @@
 """Markers of a run, against the cell that they show."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,3 +59,15 @@ def test_candidates_have_the_colours_of_their_labels() -> None:
     assert markers["candidates", 1]["action"] == DELETE  # that of the scan before
     assert markers["labels", 1]["text"] == "2: empty"
     assert markers["viewpoints", 0]["color"] != drawn(None)["viewpoints", 0]["color"]
+
+
+def test_candidates_move_with_the_belt_and_leave_it() -> None:
+    behind = CLOUD + LAYOUT.centre(1)
+    seen = SeenScan(replace(SCAN, labels=[1, 0], findings=["object", "object"]), [CLOUD, behind])
+    moved = drawn(replace(seen, moved=1))
+    dots = moved["candidates", 0]
+    assert list(dots["points"][-1].values()) == pytest.approx(CLOUD[-1])
+    assert moved["labels", 0]["text"] == "1: round"
+    assert [moved[ns, 1]["action"] for ns in ("candidates", "labels")] == [DELETE, DELETE]
+    gone = drawn(replace(seen, moved=3))
+    assert {gone[ns, n]["action"] for ns in ("candidates", "labels") for n in (0, 1)} == {DELETE}

@@ -6,12 +6,27 @@ from typing import Any
 
 import pytest
 
+from beltsort.cell.commands import AdvanceTo
+from beltsort.models import paper
 from beltsort.ros2.messages import BELIEF, DECISION, STATE, WARN, Published, RunMessages
+from beltsort.sorting.command import Command
+from beltsort.sorting.entries import (
+    AnyContent,
+    CommandDone,
+    Decided,
+    ObjectsPassed,
+    Resumed,
+    Scanned,
+    Started,
+)
 from beltsort.sorting.holds import HeldError
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.journal_files import JOURNAL
+from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from tests.monitoring.runs import resumed, run_of
+
+TIME = "2026-01-01T00:00:00+00:00"
 
 
 def values_of(published: Published) -> dict[str, str]:
@@ -64,3 +79,48 @@ def test_a_resumed_run_counts_on(tmp_path: Path) -> None:
     belief: Any = found[BELIEF.name][0].message
     assert belief["data"] == pytest.approx(broken_off.belief.probabilities.ravel().tolist())
     assert values_of(found[STATE.name][-1])["sorted"] == "3"
+
+
+def beliefs(published: list[Published]) -> list[Published]:
+    return [each for each in published if each.topic == BELIEF.name]
+
+
+def rows(published: Published) -> list[list[float]]:
+    message: Any = published.message
+    width = message["layout"]["dim"][1]["size"]
+    data = message["data"]
+    return [data[i : i + width] for i in range(0, len(data), width)]
+
+
+@pytest.mark.parametrize("decided", [False, True])
+def test_the_belief_follows_a_belt_whose_objects_have_passed(decided: bool) -> None:
+    model = paper()
+    arrival = pytest.approx(model.arrival.tolist())
+    first, second = [0.7, 0.1, 0.1, 0.1], [0.1, 0.1, 0.1, 0.7]
+    scan = Scanned(0, [0, 3], [False] * 2, ["object"] * 2, [], [first, second], [[], []])
+    messages = RunMessages()
+    contents: list[AnyContent] = [Started(run="a", objects=9, model=model.to_json()), scan]
+    contents += [Decided(0, 0, 0.7, 1, None)] if decided else []
+    for content in contents:
+        messages.read(Entry(1, TIME, 0, content))
+    (belief,) = beliefs(messages.read(Entry(9, TIME, 0, ObjectsPassed(1))))
+    assert rows(belief) == [pytest.approx(second), arrival]
+    assert messages.moved == 1
+    (belief,) = beliefs(messages.read(Entry(9, TIME, 1, ObjectsPassed(4))))
+    assert rows(belief) == [arrival, arrival]
+    assert messages.moved == 3
+
+
+def test_the_belief_follows_an_advance_after_a_resumption() -> None:
+    """The run ended between the decision and the advance."""
+    model = paper()
+    before = Progress.at_start(model)
+    before.belief.observe(0, [0, 3])
+    second = before.belief.probabilities[1].tolist()
+    before.pending = Command("a-advance-1", AdvanceTo(1), "b")
+    messages = RunMessages()
+    messages.resume(before)
+    messages.read(Entry(1, TIME, 0, Resumed(objects=9, model=model.to_json(), beltsort="")))
+    done = messages.read(Entry(2, TIME, 0, CommandDone("a-advance-1")))
+    (belief,) = beliefs(done)
+    assert rows(belief) == [pytest.approx(second), pytest.approx(model.arrival.tolist())]
