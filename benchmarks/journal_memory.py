@@ -15,7 +15,7 @@ from beltsort.sorting.journal_files import journal_bytes
 from beltsort.util.text import text_table
 
 COMMANDS = {
-    "export (no journal)": ["export", "paper", "-o", "{target}/model.pomdp"],
+    "export (no journal)": ["export", "paper", "{target}/model.pomdp"],
     "status": ["status", "{run}"],
     "show": ["show", "{run}"],
     "backup": ["backup", "{run}", "{target}/copy"],
