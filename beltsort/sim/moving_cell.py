@@ -55,7 +55,7 @@ class MovingCell:
     >>> round(cell.place(1), 6)
     0.08
     >>> cell.scan(not_before=0.0)
-    Scan(480 x 640 x 3 points, camera 'camera' at (0.000, 0.634, 0.296) m, stamp 1.000 s)
+    Scan(480 x 640 points, camera 'camera' at (0.000, 0.634, 0.296) m, stamp 1.000 s)
     """
 
     def __init__(
@@ -82,6 +82,7 @@ class MovingCell:
         self._seed = seed
         self._speeds = [(0.0, 0.0, self.moving.belt_speed)]  # time, travel, speed from then on
         self._arm = (0, 0, 0.0, 0.0)  # from viewpoint, to viewpoint, begin, end
+        self._taken: set[int] = set()
         self._scans = self._readings = 0
         self._done: dict[str, tuple[int, float]] = {}
         self.clock = 0.0
@@ -148,6 +149,12 @@ class MovingCell:
         if not 0.0 <= seconds < np.inf:
             raise CellError(f"seconds is {seconds}, expected a finite number of at least 0")
         self.clock += seconds
+
+    def take(self, index: int) -> bool:
+        """Take object `index` off the belt, as a sorter does; return whether there was one in its cup."""
+        there = self.true_class(index) is not None and index not in self._taken
+        self._taken.add(index)
+        return there
 
     def encoder(self) -> EncoderReading:
         """Return a reading of the belt's encoder, of now."""
@@ -232,7 +239,7 @@ class MovingCell:
         places = self.on_belt(stamp)
         if places:
             self._world.advance_to(min(places))
-        scene = self._world.scene_with(places)
+        scene = self._world.scene_with(places, self._taken)
         arm_errors = self.config.arm.true_pose(np.eye(4), rng)
         return measured_points(
             scene.rolling_view([pose @ arm_errors for pose in self._relative(stamp)]), self.config, rng

@@ -1,6 +1,6 @@
 """The simulated belt with its cups and objects."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -108,14 +108,17 @@ class World:
         spacing, cups = self._config.layout.spacing, self._config.layout.positions + self._config.upstream
         return -spacing / 2.0, (cups - 0.5) * spacing
 
-    def scene_with(self, places: Mapping[int, float]) -> Scene:
-        """Return the scene in which the cups of objects, by number, stand at the given x, metres."""
+    def scene_with(self, places: Mapping[int, float], taken: Collection[int] = ()) -> Scene:
+        """Return the scene in which the cups of objects, by number, stand at the given x, metres.
+
+        The objects whose numbers are in `taken` are not in their cups.
+        """
         offsets = {number: np.array([x, 0.0, 0.0]) for number, x in places.items()}
         cups = [_translated(self._cup, offset) for offset in offsets.values()]
         objects = [
             _translated(mesh, offset)
             for number, offset in offsets.items()
-            if (mesh := self._object(number)) is not None
+            if number not in taken and (mesh := self._object(number)) is not None
         ]
         return Scene(self._belt(), cups, objects, self._config.camera)
 
