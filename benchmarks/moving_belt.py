@@ -5,8 +5,8 @@ camera stands at one viewpoint and takes a scan each time the belt has moved on 
 the belt stops for each scan. The classifier is that of the simulated cell, trained on belts that stand.
 
 The counts of each belt are kept in a CSV file (`--file`). What it contains is not measured again, and a call
-with other belts (`--first 10`) adds to it. At the end the whole file is printed as a table: means and standard
-errors over belts.
+with other belts (`--first 10`) adds to it. At the end the whole file is printed as a table: means and
+standard errors over belts.
 """
 
 import argparse
