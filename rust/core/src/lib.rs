@@ -11,6 +11,7 @@ mod despot;
 mod error;
 mod index;
 mod model;
+mod moving;
 mod names;
 mod offline;
 mod one_object;

@@ -40,6 +40,8 @@ use alpha::AlphaVectors;
 use certificate::Source;
 pub(crate) use certificate::{Certificate, ScanBounds};
 use prices::PricedBound;
+pub(crate) use prices::{Faces, ObjectModel, Rows};
+pub(crate) use simplex_grid::Combination;
 use upper::GridBound;
 use watch::{Progress, Watch};
 

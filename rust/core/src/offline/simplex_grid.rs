@@ -6,7 +6,7 @@
 //! because equal levels are shared by all axes.
 
 /// A belief as a convex combination of grid points: pairs of (point, weight).
-pub(super) type Combination = Vec<(u32, f64)>;
+pub(crate) type Combination = Vec<(u32, f64)>;
 
 /// Levels on every axis, and the points they span.
 #[derive(Debug, Clone)]
@@ -113,7 +113,7 @@ impl SimplexGrid {
 }
 
 /// The same combination with every point once.
-pub(super) fn merged(mut combination: Combination) -> Combination {
+pub(crate) fn merged(mut combination: Combination) -> Combination {
     combination.sort_unstable_by_key(|(point, _)| *point);
     combination.dedup_by(|next, kept| {
         let same = next.0 == kept.0;

@@ -22,7 +22,7 @@ fn information(parts: &[Part]) -> f64 {
 
 /// The grids of all sets of `size` states.
 #[derive(Debug, Clone)]
-pub(super) struct Faces {
+pub(crate) struct Faces {
     states: usize,
     size: usize,
     /// In the order of their ranks; the states of each ascend.
@@ -35,7 +35,7 @@ pub(super) struct Faces {
 
 impl Faces {
     /// Sets of at most `size` states; a grid of all of them has a point at `arrival`.
-    pub(super) fn new(arrival: &[f64], size: usize, intervals: usize, grading: f64) -> Self {
+    pub(crate) fn new(arrival: &[f64], size: usize, intervals: usize, grading: f64) -> Self {
         let states = arrival.len();
         let size = size.min(states);
         let anchor = if size == states { arrival.to_vec() } else { vec![1.0 / size as f64; size] };
@@ -52,22 +52,22 @@ impl Faces {
     }
 
     /// States of a face, and intervals of its grid.
-    pub(super) fn resolution(&self) -> (usize, usize) {
+    pub(crate) fn resolution(&self) -> (usize, usize) {
         (self.size, self.grid.intervals())
     }
 
     /// Number of points of all faces.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.members.len() * self.corner_points.len()
     }
 
     /// Whether the only face is the whole simplex.
-    pub(super) fn are_whole(&self) -> bool {
+    pub(crate) fn are_whole(&self) -> bool {
         self.size == self.states
     }
 
     /// The belief at a point.
-    pub(super) fn belief(&self, point: usize) -> Vec<f64> {
+    pub(crate) fn belief(&self, point: usize) -> Vec<f64> {
         let per_face = self.corner_points.len();
         let mut belief = vec![0.0; self.states];
         for (state, b) in self.members[point / per_face].iter().zip(&self.corner_points[point % per_face]) {
@@ -77,7 +77,7 @@ impl Faces {
     }
 
     /// A belief as a combination of points, weighted by `weight` and put behind what is there.
-    pub(super) fn locate(&self, belief: &[f64], weight: f64, found: &mut Combination) {
+    pub(crate) fn locate(&self, belief: &[f64], weight: f64, found: &mut Combination) {
         if self.are_whole() {
             return self.locate_on_face(0, belief, weight, found);
         }

@@ -7,7 +7,7 @@ use crate::one_object::dot;
 
 /// What single objects are, whatever camera and belt do.
 #[derive(Debug, Clone)]
-pub(super) struct ObjectModel {
+pub(crate) struct ObjectModel {
     pub discount: f64,
     pub arrival: Vec<f64>,
     viewpoints: usize,
@@ -20,7 +20,7 @@ pub(super) struct ObjectModel {
 
 impl ObjectModel {
     /// The states are the kinds.
-    pub(super) fn new(model: &SortingModel) -> Self {
+    pub(crate) fn new(model: &SortingModel) -> Self {
         let (h, k) = (model.position_count(), model.viewpoint_count());
         // Tables lie column by column.
         let table = |index: usize| model.table(Position(index / k), Viewpoint(index % k)).as_slice().to_vec();
@@ -35,25 +35,25 @@ impl ObjectModel {
         }
     }
 
-    pub(super) fn states(&self) -> usize {
+    pub(crate) fn states(&self) -> usize {
         self.arrival.len()
     }
 
-    pub(super) fn viewpoints(&self) -> usize {
+    pub(crate) fn viewpoints(&self) -> usize {
         self.viewpoints
     }
 
-    pub(super) fn positions(&self) -> usize {
+    pub(crate) fn positions(&self) -> usize {
         self.positions
     }
 
     /// Worth of the best decision: `max_b sum_c belief(c) R[b, c]`.
-    pub(super) fn reward(&self, belief: &[f64]) -> f64 {
+    pub(crate) fn reward(&self, belief: &[f64]) -> f64 {
         self.rewards.iter().map(|reward| dot(belief, reward)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Probability and posterior (Bayes' rule, eq. 7) of each label that a look may give.
-    pub(super) fn look<'a>(
+    pub(crate) fn look<'a>(
         &'a self,
         position: Position,
         viewpoint: Viewpoint,

@@ -19,7 +19,7 @@ pub(super) const ARRIVAL: usize = 0;
 
 /// Sparse rows of non-negative weights over points.
 #[derive(Debug, Clone)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     /// Row `i` is entries `starts[i]..starts[i + 1]`.
     starts: Vec<usize>,
     points: Vec<u32>,
@@ -27,11 +27,11 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { starts: vec![0], points: Vec::new(), weights: Vec::new() }
     }
 
-    fn extend(&mut self, rows: impl Iterator<Item = Combination>) {
+    pub(crate) fn extend(&mut self, rows: impl Iterator<Item = Combination>) {
         for row in rows {
             self.points.extend(row.iter().map(|(point, _)| *point));
             self.weights.extend(row.iter().map(|(_, weight)| *weight));
@@ -46,7 +46,7 @@ impl Rows {
         self.weights.truncate(entries);
     }
 
-    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    pub(crate) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let entries = self.starts[i]..self.starts[i + 1];
         let points = self.points[entries.clone()].iter().map(|point| *point as usize);
         points.zip(self.weights[entries].iter().copied())
@@ -54,7 +54,7 @@ impl Rows {
 
     /// The weighted sum of values.
     #[inline(always)]
-    pub(super) fn average(&self, i: usize, values: &[f64]) -> f64 {
+    pub(crate) fn average(&self, i: usize, values: &[f64]) -> f64 {
         self.row(i).map(|(point, weight)| weight * values[point]).sum()
     }
 }

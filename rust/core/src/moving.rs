@@ -1,0 +1,3 @@
+//! A belt that never stops.
+
+pub(crate) mod planning;
