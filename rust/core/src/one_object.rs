@@ -18,6 +18,7 @@ use crate::index::Viewpoint;
 use crate::model::{Action, SortingModel};
 use crate::remaining::Remaining;
 use plan_set::{ConditionalPlan, PlanSet};
+pub(crate) use reachable::reachable_beliefs;
 
 /// Plans for one object, and what executing the best of them for ever is worth.
 #[derive(Debug, Clone)]

@@ -43,12 +43,12 @@ pub(crate) use explain::Searched;
 pub use explain::{TreeAction, TreeBranch, TreeNode};
 pub use look_ahead::LookAhead;
 use shortfall::{Features, Shortfall};
-use tree::{Child, Place, Tree, Values};
+pub(crate) use tree::{Child, Edge, Node, Place, Tree, Values, first_best};
 
 /// `xi` of the DESPOT paper: the part of the root's gap that one trial tries to leave.
-const TARGET_GAP: f64 = 0.95;
+pub(crate) const TARGET_GAP: f64 = 0.95;
 /// Tolerance of the search: it ends once the root's bounds are closer than this, in units of `r_max`.
-const GAP_TOLERANCE: f64 = 1e-10;
+pub(crate) const GAP_TOLERANCE: f64 = 1e-10;
 
 /// The planner: a model, its default policy and the settings of the search.
 #[derive(Debug, Clone)]
@@ -232,7 +232,7 @@ impl<'a> Search<'a> {
         if gap < GAP_TOLERANCE * model.reward_scale() {
             return None;
         }
-        let leaf = self.tree.explore(TARGET_GAP * gap, model.discount());
+        let leaf = self.tree.explore(TARGET_GAP * gap);
         leaf.filter(|leaf| self.tree.child(Some(*leaf)).values.gap() > 0.0)
     }
 }

@@ -4,7 +4,11 @@
 //! value of the whole belt from above ([`priced`]).
 
 mod deadline;
+mod expand;
+mod plans;
 mod priced;
+mod search;
+mod serving;
 mod state;
 mod timing;
 

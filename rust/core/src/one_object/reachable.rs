@@ -18,7 +18,7 @@ const SAME_POINT: f64 = 2e-3;
 
 /// Beliefs about one object that random looks reach, from each of its positions on the way to the belt end; those
 /// met before `stop` is set, the arrival prior at least.
-pub(super) fn reachable_beliefs(model: &SortingModel, stop: &AtomicBool) -> Vec<Vec<f64>> {
+pub(crate) fn reachable_beliefs(model: &SortingModel, stop: &AtomicBool) -> Vec<Vec<f64>> {
     let mut points = vec![model.arrival().as_slice().to_vec()];
     for walk in 0..WALKS {
         let mut rng = stream(0, Purpose::Walk, walk);

@@ -31,7 +31,7 @@ impl Search<'_> {
         self.nodes_created += node.edges.iter().map(|edge| edge.children.len() as u64).sum::<u64>();
         let moves = node.edges.len() as u64 - 1;
         self.scenario_steps += moves * planes::count(&node.scenarios);
-        self.tree.attach(node, self.planner.model.discount());
+        self.tree.attach(node);
     }
 
     /// The node of a leaf, without actions.
@@ -86,7 +86,14 @@ impl Search<'_> {
         let values = planner.leaf(node.depth + 1, &belief, features, upper);
         let child = Child { values, probability: 1.0, node: None };
         let fixed = Values::all(reward);
-        Edge { action, fixed, values: fixed, children: vec![child], labels: Vec::new() }
+        Edge {
+            action,
+            discount: model.discount(),
+            fixed,
+            values: fixed,
+            children: vec![child],
+            labels: Vec::new(),
+        }
     }
 
     /// An action that ends in a scan: a child per label vector that some scenario gives. The others follow the default
@@ -133,7 +140,7 @@ impl Search<'_> {
             certified: reward + discount * rest_upper,
             ..Values::all(bound)
         };
-        Edge { action, fixed, values: fixed, children, labels }
+        Edge { action, discount, fixed, values: fixed, children, labels }
     }
 
     /// Expand all leaves below a node at which there is something to find.

@@ -1,7 +1,8 @@
 //! The tree of a search.
 //!
 //! A [`Node`] is a belief whose actions were generated; a belief that was not expanded is a [`Child`] of its parent and
-//! nothing else. Values are expected discounted rewards as seen from the belief itself.
+//! nothing else. Values are expected discounted rewards as seen from the belief itself. An action has a discount of its own,
+//! since actions may differ in how long they take.
 
 use crate::belief::Belief;
 use crate::index::{Label, Viewpoint};
@@ -23,12 +24,12 @@ pub(crate) struct Values {
 
 impl Values {
     /// A value that is known.
-    pub(super) fn all(value: f64) -> Self {
+    pub(crate) fn all(value: f64) -> Self {
         Self { lower: value, upper: value, estimate: value, certified: value }
     }
 
     /// How far the bounds of the sampled problem are apart.
-    pub(super) fn gap(self) -> f64 {
+    pub(crate) fn gap(self) -> f64 {
         self.upper - self.lower
     }
 
@@ -55,9 +56,11 @@ pub(crate) struct Child {
 
 /// An action at a node.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Edge {
+pub(crate) struct Edge<A = Action> {
     /// The action.
-    pub action: Action,
+    pub action: A,
+    /// Discount of what follows it.
+    pub discount: f64,
     /// Reward, and the discounted value of the labels that no scenario gives.
     pub fixed: Values,
     /// Value of the action: `fixed`, and the discounted values of the children.
@@ -68,15 +71,16 @@ pub(crate) struct Edge {
     pub labels: Vec<Label>,
 }
 
-impl Edge {
+impl<A> Edge<A> {
     /// Labels that lead to a child, one per position; `None` where no scan follows the action.
-    pub(super) fn labels_of(&self, child: usize) -> Option<&[Label]> {
+    pub(crate) fn labels_of(&self, child: usize) -> Option<&[Label]> {
         let length = self.labels.len() / self.children.len();
         (length > 0).then(|| &self.labels[child * length..][..length])
     }
 
     /// Bellman's equation for one action.
-    fn back_up(&mut self, discount: f64) {
+    fn back_up(&mut self) {
+        let discount = self.discount;
         let sum =
             |sum: Values, child: &Child| sum.map(child.values, |a, b| a + discount * child.probability * b);
         self.values = self.children.iter().fold(self.fixed, sum);
@@ -93,7 +97,7 @@ pub(crate) struct Place {
 
 /// An expanded belief.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Node {
+pub(crate) struct Node<A = Action, B = Belief> {
     /// The child that it is; `None` at the root.
     pub place: Option<Place>,
     /// Planner steps since the root.
@@ -103,16 +107,16 @@ pub(crate) struct Node {
     /// Where the camera stands.
     pub viewpoint: Viewpoint,
     /// The exact belief.
-    pub belief: Belief,
+    pub belief: B,
     /// Value of the default policy, `l_0` of the DESPOT paper.
     pub default: f64,
     /// The scenarios that come here, one bit each.
     pub scenarios: Vec<u64>,
     /// The actions: deciding, then the legal moves.
-    pub edges: Vec<Edge>,
+    pub edges: Vec<Edge<A>>,
 }
 
-impl Node {
+impl<A, B> Node<A, B> {
     /// Bellman's equation: the best action. The bounds also know the default policy.
     fn values(&self) -> Values {
         let none = f64::NEG_INFINITY;
@@ -124,16 +128,16 @@ impl Node {
 }
 
 /// All nodes of one search; node 0 is the root's.
-#[derive(Debug, Default, PartialEq)]
-pub(crate) struct Tree {
-    pub nodes: Vec<Node>,
+#[derive(Debug, PartialEq)]
+pub(crate) struct Tree<A = Action, B = Belief> {
+    pub nodes: Vec<Node<A, B>>,
     /// The root as a child of nobody.
     pub root: Child,
 }
 
-impl Tree {
+impl<A, B> Tree<A, B> {
     /// The child at a place; the root at none.
-    pub(super) fn child(&self, place: Option<Place>) -> &Child {
+    pub(crate) fn child(&self, place: Option<Place>) -> &Child {
         place.map_or(&self.root, |Place { node, edge, child }| &self.nodes[node].edges[edge].children[child])
     }
 
@@ -145,8 +149,8 @@ impl Tree {
     }
 
     /// Put an expanded leaf into the tree, and back its values up to the root.
-    pub(super) fn attach(&mut self, mut node: Node, discount: f64) {
-        node.edges.iter_mut().for_each(|edge| edge.back_up(discount));
+    pub(crate) fn attach(&mut self, mut node: Node<A, B>) {
+        node.edges.iter_mut().for_each(Edge::back_up);
         let (mut place, mut values) = (node.place, node.values());
         let index = self.nodes.len();
         self.child_mut(place).node = Some(index);
@@ -155,19 +159,19 @@ impl Tree {
             self.child_mut(place).values = values;
             let Some(Place { node, edge, .. }) = place else { return };
             let parent = &mut self.nodes[node];
-            parent.edges[edge].back_up(discount);
+            parent.edges[edge].back_up();
             (place, values) = (parent.place, parent.values());
         }
     }
 
     /// The leaf that a trial leads to: from each node along the action with the highest upper bound and the child with
     /// the largest excess uncertainty, that is the part of its gap that goes beyond its share of `target`.
-    pub(super) fn explore(&self, target: f64, discount: f64) -> Option<Place> {
+    pub(crate) fn explore(&self, target: f64) -> Option<Place> {
         let (mut place, mut child, mut scale) = (None, &self.root, 1.0);
         while let Some(index) = child.node {
             let node = &self.nodes[index];
-            scale *= discount;
             let edge = first_best(&node.edges, |edge| edge.values.upper);
+            scale *= node.edges[edge].discount;
             let excess = |child: &Child| child.probability * (scale * child.values.gap() - target);
             let number = first_best(&node.edges[edge].children, excess);
             place = Some(Place { node: index, edge, child: number });
@@ -178,7 +182,7 @@ impl Tree {
 }
 
 /// Index of the item with the highest score, the first among equals.
-pub(super) fn first_best<T>(items: &[T], score: impl Fn(&T) -> f64) -> usize {
+pub(crate) fn first_best<T>(items: &[T], score: impl Fn(&T) -> f64) -> usize {
     let mut best = (0, f64::NEG_INFINITY);
     for (index, item) in items.iter().enumerate() {
         let score = score(item);

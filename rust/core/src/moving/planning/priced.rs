@@ -82,13 +82,11 @@ impl PricedBound {
     }
 
     /// Upper bound of V at a state.
-    pub(crate) fn value(&self, state: &State) -> f64 {
-        let mut sums = self.to_come(state, state.viewpoint);
+    pub(crate) fn value(&self, state: &State, viewpoint: Viewpoint) -> f64 {
+        let mut sums = self.to_come(state, viewpoint);
         for (n, belief) in state.undecided(self.problem.timing()) {
             let located = self.problem.locate(belief);
-            sums.iter_mut()
-                .zip(self.located(n, state.viewpoint, &located))
-                .for_each(|(sum, part)| *sum += part);
+            sums.iter_mut().zip(self.located(n, viewpoint, &located)).for_each(|(sum, part)| *sum += part);
         }
         least(&sums)
     }
@@ -106,7 +104,7 @@ impl PricedBound {
 
     /// What the objects to come add to the bound of each set, with the camera at a viewpoint.
     pub(crate) fn to_come(&self, state: &State, viewpoint: Viewpoint) -> Vec<f64> {
-        self.sets.iter().map(|set| set.to_come(&self.problem, state, viewpoint)).collect()
+        self.sets.iter().map(|set| set.to_come(&self.problem, state, self.problem.group(viewpoint))).collect()
     }
 }
 
@@ -125,8 +123,8 @@ impl Priced {
         Self { shares, values, unseen }
     }
 
-    fn to_come(&self, problem: &DeadlineProblem, state: &State, viewpoint: Viewpoint) -> f64 {
-        let (timing, horizon, group) = (problem.timing(), problem.horizon(), problem.group(viewpoint));
+    fn to_come(&self, problem: &DeadlineProblem, state: &State, group: usize) -> f64 {
+        let (timing, horizon) = (problem.timing(), problem.horizon());
         let (mut n, mut left, mut sum) = (state.first_to_come(timing), state.to_come, 0.0);
         while n <= horizon && left != Some(0) {
             sum += self.unseen[n][group];
@@ -196,12 +194,12 @@ fn improved(problem: &DeadlineProblem) -> Priced {
 }
 
 impl Priced {
-    /// The bound of a belt of unseen objects, from the viewpoint group that it is highest at.
+    /// The bound of a belt of unseen objects, from the first viewpoint group.
     fn start_value(&self, problem: &DeadlineProblem, start: &State) -> f64 {
         let timing = problem.timing();
         let visible = (1..=timing.places).map(|place| &self.unseen[place * timing.ticks_per_place]);
-        let group = problem.group(start.viewpoint);
-        visible.map(|values| values[group]).sum::<f64>() + self.to_come(problem, start, start.viewpoint)
+        let group = 0;
+        visible.map(|values| values[group]).sum::<f64>() + self.to_come(problem, start, 0)
     }
 
     /// Where the objects of such a belt start: with their discounted number as weight.

@@ -1,10 +1,9 @@
 //! What a search knows of a belt that never stops.
 
 use super::timing::Timing;
-use crate::index::Viewpoint;
 use crate::model::SortingModel;
 
-/// An exact belief, with the camera's viewpoint and the clock.
+/// An exact belief, and the clock.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct State {
     /// Distribution of the kind per place, the exit's first.
@@ -15,8 +14,6 @@ pub(crate) struct State {
     pub offset: usize,
     /// Objects that have not come to a place yet; `None` for a belt that never ends.
     pub to_come: Option<usize>,
-    /// Where the camera stands.
-    pub viewpoint: Viewpoint,
 }
 
 impl State {
@@ -27,7 +24,6 @@ impl State {
             decided: vec![false; timing.places],
             offset: 0,
             to_come: None,
-            viewpoint: Viewpoint(0),
         }
     }
 

@@ -6,15 +6,24 @@ use proptest::prelude::*;
 
 use super::deadline::{DeadlineProblem, Kinds};
 use super::priced::PricedBound;
+use super::serving::Serving;
 use super::state::State;
 use super::timing::Timing;
 use crate::belief::condition;
+use crate::config::NEVER;
 use crate::index::{Class, Position, Viewpoint};
 use crate::model::{Look, SortingModel};
 use crate::testing::{enumerable_models, paper, seeded};
 
+/// Where the camera starts.
+pub(super) const FROM: Viewpoint = Viewpoint(0);
+
 /// The value of a state, by trying every action and every label vector until the belt is empty.
-pub(super) fn enumerated(model: &SortingModel, timing: &Timing, state: &State) -> f64 {
+pub(super) fn enumerated(
+    model: &SortingModel,
+    timing: &Timing,
+    (state, viewpoint): (&State, Viewpoint),
+) -> f64 {
     if state.is_over() {
         return 0.0;
     }
@@ -24,38 +33,42 @@ pub(super) fn enumerated(model: &SortingModel, timing: &Timing, state: &State) -
         (next, missed, model.discount().powi(i32::try_from(ticks).unwrap()))
     };
     let (next, missed, discount) = after(1);
-    let mut best = discount * enumerated(model, timing, &next) - missed;
+    let mut best = discount * enumerated(model, timing, (&next, viewpoint)) - missed;
     for place in (0..timing.reach).filter(|place| !state.decided[*place]) {
         let (mut decided, reward) = (state.clone(), model.best_decision(&state.rows[place]).1);
         decided.decided[place] = true;
         let missed = decided.pass(timing, model, timing.sort_ticks);
         let discount = model.discount().powi(i32::try_from(timing.sort_ticks).unwrap());
-        best = best.max(reward - missed + discount * enumerated(model, timing, &decided));
+        best = best.max(reward - missed + discount * enumerated(model, timing, (&decided, viewpoint)));
     }
-    for &to in model.legal_moves(state.viewpoint) {
-        let (mut next, missed, discount) = after(timing.look(state.viewpoint, to));
-        next.viewpoint = to;
-        let value = labelled(model, timing, &next, 0);
-        best = best.max(discount * value - model.motion_cost(state.viewpoint, to) - missed);
+    for &to in model.legal_moves(viewpoint) {
+        let (next, missed, discount) = after(timing.look(viewpoint, to));
+        let value = labelled(model, timing, (&next, to), 0);
+        best = best.max(discount * value - model.motion_cost(viewpoint, to) - missed);
     }
     best
 }
 
 /// Expectation of [`enumerated`] over the labels of the objects from a place on.
-fn labelled(model: &SortingModel, timing: &Timing, state: &State, place: usize) -> f64 {
+pub(super) fn labelled(
+    model: &SortingModel,
+    timing: &Timing,
+    (state, viewpoint): (&State, Viewpoint),
+    place: usize,
+) -> f64 {
     if place == timing.places {
-        return enumerated(model, timing, state);
+        return enumerated(model, timing, (state, viewpoint));
     }
     if state.decided[place] {
-        return labelled(model, timing, state, place + 1);
+        return labelled(model, timing, (state, viewpoint), place + 1);
     }
-    let look = Look::first(Position(place), state.viewpoint);
+    let look = Look::first(Position(place), viewpoint);
     let mut sum = 0.0;
     for label in model.labels() {
         let mut next = state.clone();
         let p = condition(&mut next.rows[place], model.likelihoods(look, label));
         if p > 0.0 {
-            sum += p * labelled(model, timing, &next, place + 1);
+            sum += p * labelled(model, timing, (&next, viewpoint), place + 1);
         }
     }
     sum
@@ -99,7 +112,6 @@ pub(super) fn tiny_belts() -> impl Strategy<Value = (SortingModel, Timing, State
                 decided: (0..places).map(|place| decided && place == 1).collect(),
                 offset: offset % period,
                 to_come: Some(to_come),
-                viewpoint: Viewpoint(0),
             };
             (model, timing, state)
         },
@@ -126,10 +138,17 @@ proptest! {
     #[test]
     fn the_priced_bound_is_at_least_the_value((model, timing, state) in tiny_belts()) {
         let problem = Arc::new(DeadlineProblem::new(&model, &timing));
-        let value = enumerated(&model, &timing, &state);
+        let value = enumerated(&model, &timing, (&state, FROM));
         for bound in PricedBound::new(problem).each() {
-            prop_assert!(bound.value(&state) >= value - 1e-9, "{} below {value}", bound.value(&state));
+            prop_assert!(bound.value(&state, FROM) >= value - 1e-9, "{} below {value}", bound.value(&state, FROM));
         }
+    }
+
+    #[test]
+    fn the_default_policy_earns_at_most_the_value((model, timing, state) in tiny_belts()) {
+        let serving = Serving::new(&model, &timing, &NEVER);
+        let (value, earned) = (enumerated(&model, &timing, (&state, FROM)), serving.value(&state, FROM));
+        prop_assert!(earned <= value + 1e-9, "{earned} above {value}");
     }
 
     /// One object that pays for its looks alone: the grid's bound is nearly exact.
@@ -141,9 +160,9 @@ proptest! {
         state.to_come = Some(0);
         for place in 0..timing.places {
             state.decided = (0..timing.places).map(|other| other != place).collect();
-            let value = enumerated(&model, &timing, &state);
+            let value = enumerated(&model, &timing, (&state, FROM));
             let n = state.ticks_left(&timing, place);
-            let bound = problem.at(&values, n, problem.group(state.viewpoint), &problem.locate(&state.rows[place]));
+            let bound = problem.at(&values, n, problem.group(FROM), &problem.locate(&state.rows[place]));
             prop_assert!(value - 1e-9 <= bound && bound < value + 0.6, "{bound} for {value}");
         }
     }
@@ -184,7 +203,7 @@ fn improved_shares_lower_the_bound_of_the_paper() {
     let timing = paper_timing(&model, 3);
     let bound = PricedBound::new(Arc::new(DeadlineProblem::new(&model, &timing)));
     let state = State::unseen(&timing, model.arrival().as_slice());
-    let [uniform, improved] = bound.each().map(|bound| bound.value(&state));
+    let [uniform, improved] = bound.each().map(|bound| bound.value(&state, FROM));
     assert!(improved < uniform, "{improved}, {uniform}");
     let shares = bound.shares();
     for first in 1..=3 {
