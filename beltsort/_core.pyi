@@ -1,12 +1,16 @@
 from typing import Final, Literal
 
 from beltsort._stubs.actions import Decide as Decide
+from beltsort._stubs.actions import DecideAt as DecideAt
 from beltsort._stubs.actions import Move as Move
+from beltsort._stubs.actions import Wait as Wait
 from beltsort._stubs.belief import Belief as Belief
 from beltsort._stubs.despot import Despot as Despot
 from beltsort._stubs.evaluation import Evaluation as Evaluation
 from beltsort._stubs.evaluation import evaluate as evaluate
 from beltsort._stubs.model import SortingModel as SortingModel
+from beltsort._stubs.moving import MovingPlan as MovingPlan
+from beltsort._stubs.moving import MovingPlanner as MovingPlanner
 from beltsort._stubs.perception import clusters as clusters
 from beltsort._stubs.perception import lzf_decompress as lzf_decompress
 from beltsort._stubs.perception import vfh as vfh
@@ -42,6 +46,7 @@ __all__ = [
     "Belief",
     "BeltsortError",
     "Decide",
+    "DecideAt",
     "Despot",
     "Evaluation",
     "ImpossibleObservationError",
@@ -49,12 +54,15 @@ __all__ = [
     "LookAhead",
     "ModelError",
     "Move",
+    "MovingPlan",
+    "MovingPlanner",
     "OneObject",
     "Plan",
     "PolicyError",
     "Solution",
     "SortingModel",
     "Threshold",
+    "Wait",
     "__version__",
     "clusters",
     "evaluate",

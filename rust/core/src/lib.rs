@@ -36,6 +36,10 @@ pub use model::{
     Action, DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, Look, ModelSpec, ScalarOrMatrix, Smoothing,
     SortingModel, Tables,
 };
+pub use moving::{
+    DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_SCENARIOS, DEFAULT_OPTIMISM, MovingAction, MovingConfig, MovingPlan,
+    MovingSearch, MovingSituation, MovingTimes,
+};
 pub use offline::{DEFAULT_SOLVE_SECONDS, Solution};
 pub use one_object::OneObjectPolicy;
 pub use plan::Plan;

@@ -1,3 +1,8 @@
 //! A belt that never stops.
 
-pub(crate) mod planning;
+mod planning;
+
+pub use planning::{
+    DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_SCENARIOS, DEFAULT_OPTIMISM, MovingAction, MovingConfig, MovingPlan,
+    MovingSearch, MovingSituation, MovingTimes,
+};

@@ -133,9 +133,9 @@ impl DeadlineProblem {
     pub(crate) fn values(&self, prices: &[f64]) -> DeadlineValues {
         let points = self.faces.len();
         let mut values = DeadlineValues(vec![self.passed.repeat(self.groups)]);
-        for n in 1..=self.horizon() {
+        for (n, price) in prices.iter().enumerate().take(self.horizon() + 1).skip(1) {
             let entries = 0..self.groups * points;
-            let best = |entry| self.best(&values, prices[n], n, (entry / points, entry % points)).1;
+            let best = |entry| self.best(&values, *price, n, (entry / points, entry % points)).1;
             let next = entries.into_par_iter().map(best).collect();
             values.0.push(next);
         }
@@ -245,7 +245,7 @@ impl DeadlineProblem {
                 let value = |(p, after): (f64, Vec<f64>)| {
                     p * self.at(values, n - ticks, self.group(to), &self.locate(&after))
                 };
-                let after = |_| self.posteriors(n - ticks, to, &belief).into_iter().map(value).sum::<f64>();
+                let after = |()| self.posteriors(n - ticks, to, &belief).into_iter().map(value).sum::<f64>();
                 (ticks < n).then_some(()).map_or(f64::NEG_INFINITY, after) * self.discounted(ticks) - cost
             };
             let waited = self.discount() * self.at(values, n - 1, group, &self.locate(&belief));
@@ -279,11 +279,9 @@ impl Kinds {
 
     fn with_probability(&self, p: f64) -> Vec<f64> {
         let part = |kind: usize, prior: f64| {
-            if self.of_class.contains(&kind) {
-                prior * p / self.prior
-            } else {
-                prior * (1.0 - p) / (1.0 - self.prior)
-            }
+            let (all, part) =
+                if self.of_class.contains(&kind) { (self.prior, p) } else { (1.0 - self.prior, 1.0 - p) };
+            if all > 0.0 { prior * part / all } else { 0.0 }
         };
         self.arrival.iter().enumerate().map(|(kind, prior)| part(kind, *prior)).collect()
     }

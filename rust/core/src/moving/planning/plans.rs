@@ -48,8 +48,8 @@ impl DeadlinePlans {
     pub(crate) fn new(model: &SortingModel, timing: &Timing, stop: &AtomicBool) -> Self {
         let (group_of, groups) = timing.groups(model);
         let all = reachable_beliefs(model, stop);
-        let step = all.len().div_ceil(POINTS);
-        let points = all.into_iter().step_by(step).collect();
+        let every = all.len().div_ceil(POINTS);
+        let points = all.into_iter().step_by(every).collect();
         let mut making = Making { model, timing, group_of, groups, points, plans: vec![Vec::new(); groups] };
         for n in 1..=timing.visible() {
             for group in 0..groups {

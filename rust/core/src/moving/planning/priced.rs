@@ -10,13 +10,16 @@
 //!
 //! over the undecided objects j on the belt and those i to come; N is the horizon, the visible ticks and the longest look.
 //!
-//! *Proof.* Call the right side U. Bellman's operator is monotone and a contraction, so it suffices that each action
-//! earns at most U with U as what follows. *Look* from k for d ticks: `W_n(v, b) >= -lambda_n cost + discount^d E_z
-//! W_{n-d}(k, b^z)` for every object that is still there afterwards, given that labels of different objects are independent, and
-//! the shares of the cost sum to at most the cost. An object that passes the exit meanwhile is covered by waiting, since
-//! `W_n >= -discount^n missed`. One with `n > N` before is unseen afterwards, as `n - d > H T`, and if `n - d < N`, then `max_u W_N(u, a)
-//! >= W_N(k, a) >= discount^(N-n+d) W_{n-d}(k, a)` by waiting. *Wait* is the same without a cost. *Decide*: `W_n >= reward`
-//! for the object itself, and the others wait meanwhile. Objects that are decided only leave shares unused. ∎
+//! *Proof.* Call the right side U. Bellman's operator is monotone, and applied again and again, with the finitely many decisions
+//! that take no time counted as one action, it converges to V. So it suffices that each action earns at most U if U is what follows.
+//!
+//! * *Look* from k for d ticks. Labels of different objects are independent, so that each object that is still there
+//!   afterwards has `W_n(v, b) >= -lambda_n cost + discount^d E_z W_{n-d}(k, b^z)`, and the shares of the cost sum to
+//!   at most the cost. An object that passes the exit meanwhile is covered by waiting: `W_n >= -discount^n missed`. One with
+//!   n above N is not seen by the look, since n - d exceeds the visible ticks, and if it has n - d < N left afterwards,
+//!   waiting gives `max_u W_N(u, a) >= W_N(k, a) >= discount^(N-n+d) W_{n-d}(k, a)`.
+//! * *Wait* is the same without a cost.
+//! * *Decide*: `W_n >= reward` for the object itself, and the others wait meanwhile. Decided objects leave shares unused.
 //!
 //! The bound is convex in the shares; minus the expected discounted cost of the looks that an object takes with n ticks left is a
 //! subgradient. Multiplicative steps on each residue class (exponentiated gradient, Kivinen & Warmuth 1997) lower it. The bound
@@ -69,11 +72,6 @@ impl PricedBound {
     /// The problem of one object.
     pub(crate) fn problem(&self) -> &DeadlineProblem {
         &self.problem
-    }
-
-    /// Number of sets of shares.
-    pub(crate) fn set_count(&self) -> usize {
-        self.sets.len()
     }
 
     /// The shares of an object with n ticks left, entry n, of the improved set.
