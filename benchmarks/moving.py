@@ -2,10 +2,10 @@
 
     python -m benchmarks.moving [--model FILE] [--ticks-per-place 3 5 8] [--trials 1 30] [--runs 40]
 
-Every policy meets the same objects, and the n-th look at an object has the same random for each of them. Decisions count
-with the reward expected under the exact belief, which has the mean of the realised one. Printed are discounted returns
-and differences from the planner with most trials, with standard errors over runs, the bounds at the start, and the median and the
-99th percentile of a plan's time as a part of a tick.
+Every policy meets the same objects, and the n-th look at an object has the same random for each of them.
+Decisions count with the reward expected under the exact belief, which has the mean of the realised one.
+Printed are discounted returns and differences from the planner with most trials, with standard errors over
+runs, the bounds at the start, and the median and the 99th percentile of a plan's time as a part of a tick.
 """
 
 from argparse import ArgumentParser
@@ -54,7 +54,7 @@ Policy = Callable[[Situation], Action]
 
 
 def threshold(belt: Belt, confidence: float) -> Policy:
-    """Decide at a confidence or at the last moment; look from where most is learnt about the undecided objects."""
+    """Decide at a confidence or at the last moment; look from where most is learnt about undecided ones."""
     p_obs = belt.model.p_obs
 
     def information(rows: np.ndarray, viewpoint: int, undecided: list[int]) -> float:

@@ -71,6 +71,15 @@ class Decide:
 
 @final
 class Wait:
+    """Let a tick pass on a belt that never stops.
+
+    Examples
+    --------
+    >>> import beltsort
+    >>> beltsort.Wait() == beltsort.Wait()
+    True
+    """
+
     __match_args__: Final = ()
     def __new__(cls) -> Wait: ...
     def __eq__(self, value: object, /) -> bool: ...
@@ -79,12 +88,35 @@ class Wait:
 
 @final
 class DecideAt:
+    """Sort the object at a place of a belt that never stops into a bin.
+
+    Parameters
+    ----------
+    position : int
+        Index of the place, 0 nearest to the exit.
+    label : int
+        Index of the bin: that of the class, unless the model has `bins`.
+
+    Raises
+    ------
+    ArgumentError
+        If an index is negative.
+
+    Examples
+    --------
+    >>> import beltsort
+    >>> beltsort.DecideAt(1, 2)
+    DecideAt(position=1, label=2)
+    """
+
     __match_args__: Final = ("position", "label")
     def __new__(cls, position: int, label: int) -> DecideAt: ...
     @property
-    def position(self) -> int: ...
+    def position(self) -> int:
+        """Index of the place, 0 nearest to the exit."""
     @property
-    def label(self) -> int: ...
+    def label(self) -> int:
+        """Index of the bin."""
     def __eq__(self, value: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs__(self) -> tuple[int, int]: ...

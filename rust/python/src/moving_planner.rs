@@ -23,10 +23,11 @@ use crate::names::Named;
 /// Plan for a belt that never stops: a search over exact beliefs with a clock.
 ///
 /// Time runs in ticks. The belt carries every object one place further every `ticks_per_place`, whatever is
-/// decided. A look moves the camera and scans at the end of its ticks. An object is decided while it is in reach;
-/// one that passes the exit undecided costs `missed`. The model's discount is per tick.
+/// decided. A look moves the camera and scans at the end of its ticks. An object is decided while it is in
+/// reach; one that passes the exit undecided costs `missed`. The model's discount is per tick.
 ///
-/// Preparing solves the problem of one object with a deadline, which takes seconds for models of many classes.
+/// Preparing solves the problem of one object with a deadline, which takes seconds for models of many
+/// classes.
 ///
 /// Parameters
 /// ----------
@@ -43,8 +44,8 @@ use crate::names::Named;
 /// sort_ticks : int, default 0
 ///     Ticks of a decision, in which the camera waits.
 /// missed : sequence of L floats, optional
-///     Price of an object that passes the exit undecided, per class, not negative; if missing, 0 for the model's
-///     `empty` class, and the largest reward for the others.
+///     Price of an object that passes the exit undecided, per class, not negative; if missing, 0 for the
+///     model's `empty` class, and the largest reward for the others.
 /// seconds : float, optional
 ///     Wall-clock budget of a plan in seconds, 0.01 if neither budget is given.
 /// trials : int, optional
@@ -200,9 +201,9 @@ impl PyMovingPlanner {
     /// Returns
     /// -------
     /// list of float or None
-    ///     By ticks left until the exit, from 1 to H `ticks_per_place`: the least probability of the class from
-    ///     which on deciding is optimal (within the accuracy of a belief grid), the other classes in their proportions at arrival;
-    ///     None out of reach, or where it never is.
+    ///     By ticks left until the exit, from 1 to H `ticks_per_place`: the least probability of the class
+    ///     from which on deciding is optimal (within the accuracy of a belief grid), the other classes in
+    ///     their proportions at arrival; None out of reach, or where it never is.
     ///
     /// Raises
     /// ------
