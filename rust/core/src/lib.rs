@@ -37,8 +37,9 @@ pub use model::{
     SortingModel, Tables,
 };
 pub use moving::{
-    DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_SCENARIOS, DEFAULT_OPTIMISM, MovingAction, MovingConfig, MovingPlan,
-    MovingSearch, MovingSituation, MovingTimes,
+    DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_SCENARIOS, DEFAULT_OPTIMISM, LookRule, MovingAction, MovingBelief,
+    MovingBelt, MovingConfig, MovingOutcome, MovingPlan, MovingPolicy, MovingRuns, MovingSearch,
+    MovingSituation, MovingThreshold, MovingTimes, evaluate_moving,
 };
 pub use offline::{DEFAULT_SOLVE_SECONDS, Solution};
 pub use one_object::OneObjectPolicy;

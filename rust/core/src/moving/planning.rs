@@ -15,9 +15,12 @@ mod state;
 mod timing;
 
 pub use planner::{MovingSearch, MovingSituation, MovingTimes};
+pub(super) use planner::{check_model, checked};
 pub use search::{
     DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_SCENARIOS, DEFAULT_OPTIMISM, MovingAction, MovingConfig, MovingPlan,
 };
+pub(super) use state::State;
+pub(super) use timing::Timing;
 
 #[cfg(test)]
 mod tests;

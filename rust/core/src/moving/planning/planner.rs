@@ -187,7 +187,7 @@ impl MovingSearch {
 }
 
 /// Refuse what the planner has no arithmetic for.
-fn check_model(model: &SortingModel) -> Result<()> {
+pub(crate) fn check_model(model: &SortingModel) -> Result<()> {
     let beyond = [
         ("repeat", model.ever_repeats()),
         ("observe_after_decision", model.observes_after_decision()),
@@ -203,7 +203,7 @@ fn check_model(model: &SortingModel) -> Result<()> {
 }
 
 /// The times, checked against the model.
-fn checked(model: &SortingModel, times: &MovingTimes, missed: &[f64]) -> Result<Timing> {
+pub(crate) fn checked(model: &SortingModel, times: &MovingTimes, missed: &[f64]) -> Result<Timing> {
     let (places, k) = (model.position_count(), model.viewpoint_count());
     if times.ticks_per_place == 0 || places.saturating_mul(times.ticks_per_place) > MOST_TICKS {
         return argument_error(format!(
