@@ -1,0 +1,143 @@
+"""Requests and replies about diversions on a belt that never stops, independent of the fieldbus.
+
+`docs/fieldbus.md`, "A belt that never stops", specifies the rules and the numbers.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+VERSION = 1
+"""Version of this part of the protocol."""
+
+QUEUE = 64
+"""Number of queued diversions that a controller must be able to hold."""
+
+
+class DiversionVerb(IntEnum):
+    """The operation that a request asks for. The numbers are those of `Verb` where both have it."""
+
+    LOOK = 0
+    """Return the state."""
+    RECALL = 3
+    """Return the outcome of the diversion `key`."""
+    STOP = 4
+    """Stop the belt; what is queued stays queued."""
+    DIVERT = 6
+    """Put the object into the bin when it comes by the bin's diverter."""
+
+
+class DiversionPhase(IntEnum):
+    """The state of a diversion."""
+
+    UNKNOWN = 0
+    """The controller does not remember it."""
+    QUEUED = 1
+    """It is carried out when the object comes by the diverter."""
+    DONE = 2
+    """The object is in the bin."""
+    NOT_DONE = 3
+    """It was refused, or the diverter did not move; the object is in no bin because of it."""
+    TOO_LATE = 4
+    """It came after the last moment; the object goes to the overflow."""
+
+
+class DiversionReason(IntEnum):
+    """Reason why a diversion was not done. The numbers are those of `Reason` where both have it."""
+
+    NONE = 0
+    EMERGENCY_STOP = 1
+    OTHER_COMMAND = 5
+    NO_SUCH_BIN = 6
+    BIN_FULL = 7
+    NO_SUCH_VERB = 13
+    QUEUE_FULL = 14
+    ALREADY_DIVERTED = 15
+    OTHER_BOOT = 16
+
+
+DIVERSION_EXPLANATIONS: dict[DiversionReason, str] = {
+    DiversionReason.NONE: "it gives no reason",
+    DiversionReason.EMERGENCY_STOP: "the emergency stop is pressed; release it at the machine",
+    DiversionReason.OTHER_COMMAND: "its key is 0 or belongs to another diversion; give every one its own",
+    DiversionReason.NO_SUCH_BIN: "the controller has no such bin",
+    DiversionReason.BIN_FULL: "the bin is full, or will be by what is queued; empty it",
+    DiversionReason.NO_SUCH_VERB: "the controller does not know this verb; compare versions of the protocol",
+    DiversionReason.QUEUE_FULL: "the queue is full; send it again when an object was diverted",
+    DiversionReason.ALREADY_DIVERTED: "the object has a diversion under another key; ask for its outcome",
+    DiversionReason.OTHER_BOOT: "the coordinate is from before a restart of the controller; measure it again",
+}
+"""Explanation of each reason, with its remedy."""
+
+
+@dataclass(frozen=True)
+class DiversionRequest:
+    """A request of the client, written atomically.
+
+    Attributes
+    ----------
+    sequence
+        Sequence number, new by the rule of `is_ahead`.
+    verb
+        A `DiversionVerb`.
+    key
+        `key_of` the command id; 0 for requests that do not refer to a diversion.
+    object
+        Number of the object, for messages and for the account; the coordinate says where it is.
+    coordinate
+        Belt coordinate of the object's centre, micrometres.
+    bin
+        Bin number, from 0.
+    boot
+        Boot id of the controller with whose encoder the coordinate was measured.
+    """
+
+    sequence: int
+    verb: int
+    key: int = 0
+    object: int = 0
+    coordinate: int = 0
+    bin: int = 0
+    boot: int = 0
+
+
+@dataclass(frozen=True)
+class DiversionReply:
+    """A reply of the controller, written atomically.
+
+    Attributes
+    ----------
+    sequence, verb, key
+        Those of the request.
+    phase, reason
+        State of the diversion `key`, and the reason.
+    boot
+        Boot id; a new random number whenever the controller starts.
+    position
+        Belt coordinate that is at the reference mark, micrometres since the start of the controller.
+    stamp
+        Time at which `position` was read from the encoder, microseconds on the controller's clock.
+    moving
+        Whether the belt moves.
+    emergency_stop
+        Whether the emergency stop is pressed.
+    queued
+        Number of diversions in the queue.
+    forgotten
+        Number of ended diversions removed from memory since the start.
+    bins
+        Number of objects in each bin.
+    """
+
+    sequence: int
+    verb: int
+    key: int
+    phase: DiversionPhase
+    reason: DiversionReason
+    boot: int
+    position: int
+    stamp: int
+    moving: bool
+    emergency_stop: bool
+    queued: int
+    forgotten: int
+    bins: tuple[int, ...]
