@@ -21,7 +21,7 @@ pub struct Wait {}
 #[pymethods]
 impl Wait {
     #[classattr]
-    fn __match_args__<'py>(py: Python<'py>) -> Bound<'py, PyTuple> {
+    fn __match_args__(py: Python<'_>) -> Bound<'_, PyTuple> {
         PyTuple::empty(py)
     }
 
@@ -30,12 +30,12 @@ impl Wait {
         Self {}
     }
 
-    fn __repr__(&self) -> &'static str {
+    fn __repr__(_slf: &Bound<'_, Self>) -> &'static str {
         "Wait()"
     }
 
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> Bound<'py, PyTuple> {
-        PyTuple::empty(py)
+    fn __getnewargs__<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyTuple> {
+        PyTuple::empty(slf.py())
     }
 }
 
