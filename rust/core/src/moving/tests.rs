@@ -225,6 +225,9 @@ fn a_falling_threshold_decides_late_what_a_high_one_does_not() {
     belief.observe(&belt, FROM, &[Some(label), None]).unwrap();
     let sure = belief.position(Position(0)).iter().copied().fold(0.0, f64::max);
     let falling = MovingThreshold::new(&belt, 1.0, sure - 0.2, LookRule::MostUrgent).unwrap();
+    // Between the entry, 8 ticks before the exit, and the exit it falls by 0.655: 0.63 with 4 ticks left, 0.44 with 2.
+    assert!(matches!(falling.act(&belief, FROM).unwrap(), MovingAction::Look(_)), "{sure}");
+    belief.advance_time(&belt, 2);
     assert!(matches!(falling.act(&belief, FROM).unwrap(), MovingAction::Decide { .. }), "{sure}");
     let constant = MovingThreshold::new(&belt, 1.0, 1.0, LookRule::MostUrgent).unwrap();
     assert!(matches!(constant.act(&belief, FROM).unwrap(), MovingAction::Look(_)));
