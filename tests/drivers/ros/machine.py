@@ -109,7 +109,10 @@ class Machine:
         }
 
     def halt(self) -> None:
-        self.target, self.arrives = dict(self.joints), float("inf")
+        """Stop arm and belt where they are; a belt that stands remains at its object."""
+        self.target = dict(self.joints)
+        if time.monotonic() < self.arrives:
+            self.arrives = float("inf")
 
     def sort(self, key: str, label: int) -> None:
         self.told = True
