@@ -116,7 +116,9 @@ def test_signals(folder: Path, peer: ModbusPeer, unit: Unit, account: Account) -
     codes = soak(folder, peer, account, Manager(unit), disturbance, "restarts")
     ends = {0, exit_codes.NEEDS_PERSON, -signal.SIGKILL, 128 + signal.SIGTERM, 128 + signal.SIGINT}
     assert set(codes) <= ends
-    assert codes.total() - codes[exit_codes.NEEDS_PERSON] == TIMES + 1
+    assert codes[0] == 1
+    interrupted = codes.total() - codes[exit_codes.NEEDS_PERSON] - codes[0]
+    assert 0 < interrupted <= TIMES, "a signal may also meet a start that ends because it needs a person"
 
 
 def test_full_disks(folder: Path, peer: ModbusPeer, unit: Unit, account: Account) -> None:
