@@ -21,7 +21,7 @@ def test_a_plan_is_a_function_of_its_arguments_also_of_a_pickled_planner(planner
 
 
 def test_what_is_certain_is_decided_unless_it_is_decided_already(planner: MovingPlanner) -> None:
-    belief = Belief(planner.model, [[0.25] * 4, [0, 0, 1, 0]])
+    belief = Belief(planner.model, [[0.25] * 4, [0.0, 0.0, 1.0, 0.0]])
     assert planner.plan(belief).action == DecideAt(1, 2)
     assert planner.plan(belief, decided=[1]).action != DecideAt(1, 2)
 
