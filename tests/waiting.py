@@ -23,9 +23,20 @@ def wait_until(condition: Callable[[], Result | None], what: str, timeout: float
 
 
 def alive(pid: int) -> bool:
-    """Tell whether a process still runs; one that nobody has asked for its exit code yet does not."""
+    """Tell whether a thread of a process runs; one that nobody has asked for its exit code yet does not.
+
+    A process that was killed can only be asked for its exit code once all of its threads have ended, of which
+    the first may be the first to end.
+    """
     try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        return any(_runs(thread) for thread in Path(f"/proc/{pid}/task").iterdir())
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def _runs(thread: Path) -> bool:
+    try:
+        state = (thread / "stat").read_text().rpartition(")")[2].split()[0]
     except (FileNotFoundError, ProcessLookupError):
         return False
     return state not in "ZX"
