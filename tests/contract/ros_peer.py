@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
-from beltsort.cell import CommandError
 from beltsort.drivers.ros1 import Ros1Arm, Ros1Belt, Ros1Camera, Ros1Sorter
 from beltsort.drivers.ros2 import (
     Ros2Arm,
@@ -16,12 +15,12 @@ from beltsort.drivers.ros2 import (
     Ros2Sorter,
 )
 from tests.contract.peer import ProcessPeer, SeeingPeer
+from tests.drivers.ros.rig import await_ready
 from tests.drivers.ros.scenery import TAUGHT
 from tests.drivers.ros1 import rig as rig1
 from tests.drivers.ros1 import scene as scene1
 from tests.drivers.ros2 import rig as rig2
 from tests.drivers.ros2 import scene as scene2
-from tests.waiting import wait_until
 
 SLOW = {"arm": {"speed": 0.15}, "belt": {"travel": 4.0}, "sorter": {"sort": 4.0}}
 
@@ -42,16 +41,8 @@ class RosPeer(SeeingPeer, ProcessPeer):
         self._rig.close()
 
     def ready(self, role: str) -> Any:
-        device = self._devices[role]
-
-        def ready() -> bool:
-            try:
-                return bool(device.health().ready)
-            except CommandError:  # master or peer took longer than a device allows them
-                return False
-
-        wait_until(ready, f"the {role} is ready")
-        return device
+        await_ready(self._devices[role])
+        return self._devices[role]
 
     def fresh(self, role: str) -> int:
         kind = role.split()[0]

@@ -5,6 +5,7 @@ the state of the world, and how many times the peer has published.
 """
 
 import json
+import os
 import sys
 import threading
 import time
@@ -157,7 +158,7 @@ class Machine:
 
 
 def run(machine: Machine, beat: Callable[[int], object]) -> None:
-    """Beat for ever, and listen to what the peer is told."""
+    """Beat, and listen to what the peer is told, until nobody is left who could tell it anything."""
 
     def listen() -> None:
         known = {field.name for field in fields(Settings)}
@@ -166,6 +167,7 @@ def run(machine: Machine, beat: Callable[[int], object]) -> None:
                 assert name in known
                 setattr(machine.settings, name, value)
             print(json.dumps(machine.world()), flush=True)
+        os._exit(0)  # tests that were killed leave no peer behind, which would answer later ones
 
     threading.Thread(target=listen, daemon=True).start()
     n = 0

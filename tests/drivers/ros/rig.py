@@ -1,4 +1,4 @@
-"""A peer in a process of its own, stopped by its process id."""
+"""A peer in a process of its own, stopped by its process id, and the devices that talk to it."""
 
 import json
 import os
@@ -6,23 +6,68 @@ import signal
 import subprocess
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any
+from pathlib import Path
+from typing import Any, ClassVar
 
-from beltsort.cell import within
+import pytest
+
+from beltsort.cell import CommandError, within
+from beltsort.drivers.ros.arm import RosArm
+from beltsort.drivers.ros.belt import RosBelt
+from beltsort.drivers.ros.camera import RosCamera
+from beltsort.drivers.ros.device import RosDevice
+from beltsort.drivers.ros.sorter import RosSorter
 from tests.waiting import PATIENCE, wait_until
 
 ON_THE_WAY = 0.2
 """Seconds within which what was sent has arrived."""
 
 
-class PeerRig:
+class PeerRig(ABC):
     """Starts, freezes and kills a peer that runs `tests.drivers.ros.machine`."""
 
     peer: subprocess.Popen[str]
+    node_program: ClassVar[str]
+    """Part of the command line of the nodes of our devices."""
+    connecting: str
+    """A program that connects a belt."""
 
-    def __init__(self, environment: dict[str, str]) -> None:
-        self._environment = environment
+    def __init__(self, environment: dict[str, str], *inherited: int) -> None:
+        self._environment, self._inherited = environment, inherited
+
+    @abstractmethod
+    def start_peer(self) -> subprocess.Popen[str]:
+        """Start a peer, and return it when it is ready."""
+
+    @abstractmethod
+    def mend(self) -> None:
+        """See to it that the peer runs and does what it does at first."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """End the peer."""
+
+    @abstractmethod
+    def arm(self, *, action: bool = False, **changes: Any) -> RosArm:
+        """Return a device for the arm, by topic or action, with changes to its options."""
+
+    @abstractmethod
+    def camera(self, *, by_joints: bool = False, **changes: Any) -> RosCamera:
+        """Return a device for the camera, which knows its pose from tf or joint positions."""
+
+    @abstractmethod
+    def belt(self) -> RosBelt:
+        """Return a device for the belt."""
+
+    @abstractmethod
+    def sorter(self) -> RosSorter:
+        """Return a device for the sorter."""
+
+    @abstractmethod
+    def hanging_belt(self, folder: Path, patch: pytest.MonkeyPatch) -> RosBelt:
+        """Return a belt whose node never gets ready."""
 
     def tell(self, **settings: Any) -> dict[str, Any]:
         """Change what the peer does; return what the world is like once all that it publishes is as told."""
@@ -77,8 +122,21 @@ class PeerRig:
         return subprocess.Popen(
             command,
             env=self._environment,
+            pass_fds=self._inherited,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,
         )
+
+
+def await_ready(device: RosDevice) -> None:
+    """Wait until the nodes of a device and of its peer have found each other."""
+
+    def ready() -> bool:
+        try:
+            return device.health().ready
+        except CommandError:  # master or peer took longer than a device allows them
+            return False
+
+    wait_until(ready, f"{device.address} is ready")

@@ -3,13 +3,14 @@
 import dataclasses
 from collections.abc import Iterator
 from typing import Any
-from uuid import uuid4
 
 import pytest
 
 from beltsort.cell import CommandError, Outcome
 from beltsort.drivers.ros2 import Ros2Arm
 from beltsort.errors import CellError
+from tests.drivers.ros.fixtures import an_id
+from tests.drivers.ros.rig import await_ready
 from tests.drivers.ros2 import scene
 from tests.drivers.ros2.rig import Rig
 from tests.waiting import wait_until
@@ -25,11 +26,8 @@ def shared_planned_arm(shared: Rig) -> Iterator[Ros2Arm]:
 
 @pytest.fixture
 def arm(rig: Rig, shared_planned_arm: Ros2Arm) -> Ros2Arm:
+    await_ready(shared_planned_arm)
     return shared_planned_arm
-
-
-def an_id() -> str:
-    return uuid4().hex
 
 
 def test_it_may_plan_for_longer_than_an_arm_may_stand_still(rig: Rig, arm: Ros2Arm) -> None:

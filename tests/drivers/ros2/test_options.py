@@ -31,19 +31,6 @@ def test_a_system_that_does_not_exist(changes: dict[str, Any], said: str) -> Non
             dataclasses.replace(options, **changes)
 
 
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"action": "/arm"}, r"trajectory_topic\b.*'/\S+'.*action\b.*'/arm'"),
-        ({"trajectory_topic": ""}, r"trajectory_topic\b.*''.*action\b.*''"),
-        ({"viewpoints": ("p1", "p3")}, r"taught\b.*\['p1', 'p2'\].*\['p1', 'p3'\]"),
-    ],
-)
-def test_an_arm_that_cannot_be_commanded(changes: dict[str, Any], said: str) -> None:
-    with pytest.raises(CellError, match=said):
-        dataclasses.replace(scene.arm(1), **changes)
-
-
 def test_the_states_of_keys() -> None:
     def entry(name: str, state: str) -> dict[str, Any]:
         return {"name": name, "message": "why", "values": [{"key": "state", "value": state}]}

@@ -3,7 +3,6 @@
 import dataclasses
 from collections.abc import Iterator
 from typing import Any
-from uuid import uuid4
 
 import pytest
 
@@ -15,6 +14,8 @@ from beltsort.drivers.ros2.service_sorter import Call, outcome_of_call
 from beltsort.drivers.ros2.services import request_topic
 from beltsort.drivers.ros2.trigger import Answer, Trigger
 from beltsort.errors import CellError
+from tests.drivers.ros.fixtures import an_id
+from tests.drivers.ros.rig import await_ready
 from tests.drivers.ros2 import scene
 from tests.drivers.ros2.rig import Rig, set_going
 from tests.waiting import wait_until
@@ -31,23 +32,15 @@ def shared_stepper(shared: Rig) -> Iterator[Ros2ServiceBelt]:
 @pytest.fixture
 def stepper(rig: Rig, belt: Ros2Belt, shared_stepper: Ros2ServiceBelt) -> Ros2ServiceBelt:
     set_going(rig, belt)
-    ready(shared_stepper)
+    await_ready(shared_stepper)
     return shared_stepper
 
 
 @pytest.fixture(params=["counts", "says nothing"])
 def sorter(rig: Rig, request: pytest.FixtureRequest) -> Iterator[Ros2ServiceSorter]:
     with Ros2ServiceSorter(scene.sorter_by_service(rig.domain, counts=request.param == "counts")) as sorter:
-        ready(sorter)
+        await_ready(sorter)
         yield sorter
-
-
-def ready(device: Ros2ServiceBelt | Ros2ServiceSorter) -> None:
-    wait_until(lambda: device.health().ready, "the device is ready")
-
-
-def an_id() -> str:
-    return uuid4().hex
 
 
 def test_a_belt_goes_several_objects_by_single_steps(rig: Rig, stepper: Ros2ServiceBelt) -> None:
@@ -86,7 +79,7 @@ def test_a_belt_is_not_told_again_while_it_may_still_act(
         rig.kill(rig.peer)
         rig.start_peer()
     rig.mend()
-    ready(stepper)
+    await_ready(stepper)
     at = rig.tell()["object"]
     stepper.advance_to(at + 1, an_id(), timeout=60.0)
     assert rig.tell()["object"] == at + 1
@@ -141,17 +134,17 @@ def test_a_sorter_that_refuses_may_be_asked_again(rig: Rig, sorter: Ros2ServiceS
 def test_a_sort_whose_answer_is_lost_is_looked_up_where_the_sorter_counts(rig: Rig) -> None:
     bins, one = rig.tell(unanswered=True)["bins"], an_id()
     with Ros2ServiceSorter(scene.sorter_by_service(rig.domain)) as sorter:
-        ready(sorter)
+        await_ready(sorter)
         sorter.sort(1, one)
         assert sorter.outcome_of(one) is Outcome.DONE
-        ready(sorter)
+        await_ready(sorter)
     assert sum(rig.tell()["bins"]) == sum(bins) + 1
 
 
 def test_without_a_count_a_lost_answer_is_unknown_and_nothing_is_sent_until_it_comes(rig: Rig) -> None:
     bins, one = rig.tell(unanswered=True)["bins"], an_id()
     with Ros2ServiceSorter(scene.sorter_by_service(rig.domain, counts=False)) as sorter:
-        ready(sorter)
+        await_ready(sorter)
         with pytest.raises(CommandError, match=r"/sorter/bin_1 was called and did not end") as error:
             sorter.sort(1, one, timeout=3.0)
         assert error.value.outcome is sorter.outcome_of(one) is Outcome.UNKNOWN
@@ -173,7 +166,7 @@ def test_a_sort_that_was_stopped_on_the_way_is_broken_off(rig: Rig) -> None:
     rig.tell(sort=60.0)
     one = an_id()
     with Ros2ServiceSorter(scene.sorter_by_service(rig.domain)) as sorter:
-        ready(sorter)
+        await_ready(sorter)
         stopping = rig.when_busy("sorter", sorter.stop)
         with pytest.raises(CommandError, match=r"\bbroke the sort off\b.*\bstopped on the way\b") as error:
             sorter.sort(1, one, timeout=30.0)
@@ -198,7 +191,7 @@ def test_the_emergency_stop(rig: Rig, sorter: Ros2ServiceSorter) -> None:
 def test_a_restarted_sorter_is_told_apart_and_a_missing_service_named(rig: Rig) -> None:
     options = scene.sorter_by_service(rig.domain, counts=False)
     with Ros2ServiceSorter(options) as sorter:
-        ready(sorter)
+        await_ready(sorter)
         boot_id = sorter.health().boot_id
         rig.kill(rig.peer)
         rig.start_peer()

@@ -6,12 +6,19 @@ from pathlib import Path
 
 import pytest
 
-from beltsort.drivers.ros2 import Ros2Belt
-from tests.drivers.ros2 import scene
-from tests.drivers.ros2.conftest import arm, belt, rig, shared_arm
+from tests.drivers.ros.fixtures import (
+    acting_arm,
+    arm,
+    belt,
+    rig,
+    shared_acting_arm,
+    shared_arm,
+    shared_belt,
+    started,
+)
 from tests.drivers.ros2.rig import ROOT, Rig, require_ros2
 
-__all__ = ["arm", "belt", "rig", "shared_arm"]
+__all__ = ["acting_arm", "arm", "belt", "rig", "shared_acting_arm", "shared_arm", "shared_belt"]
 
 TARGET = ROOT / "target" / "ros2-peer"
 """Where the peer is built, and kept for the next time."""
@@ -29,16 +36,4 @@ def binary() -> Path:
 @pytest.fixture(scope="package")
 def shared(binary: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
     require_ros2()
-    directory = tmp_path_factory.mktemp("ros2")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_LOG_DIR", str(directory))
-        rig = Rig(directory, str(binary))
-        yield rig
-        rig.close()
-
-
-@pytest.fixture(scope="package")
-def shared_belt(shared: Rig) -> Iterator[Ros2Belt]:
-    with Ros2Belt(scene.belt(shared.domain)) as belt:
-        belt.connect()  # the first test gives it less time than a busy machine takes
-        yield belt
+    yield from started(lambda folder: Rig(folder, str(binary)), tmp_path_factory)

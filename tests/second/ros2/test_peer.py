@@ -6,39 +6,37 @@ import numpy as np
 import pytest
 
 from beltsort.drivers.ros2 import Ros2Camera, Ros2CameraOptions
-from tests.drivers.ros2.rig import Rig
-from tests.drivers.ros2.scene import PYTHON
-from tests.drivers.ros2.test_arm import (
+from tests.drivers.ros.test_arm import (
     either,
-    shared_acting_arm,
-    test_a_goal_that_fails_says_what_the_action_says,
-    test_a_move_whose_result_was_lost_is_looked_up,
     test_a_stop_from_another_thread_ends_the_motion,
     test_it_moves_and_tells_when_it_stopped,
 )
-from tests.drivers.ros2.test_belt import (
+from tests.drivers.ros.test_belt import (
     test_a_stopped_belt_does_not_arrive,
     test_it_advances_forward_only_and_a_repeated_command_acts_once,
 )
-from tests.drivers.ros2.test_failures import (
-    test_an_emergency_stop_that_was_published_once_is_heard_later,
-    test_the_emergency_stop,
-)
-from tests.drivers.ros2.test_sorter import (
+from tests.drivers.ros.test_failures import test_the_emergency_stop
+from tests.drivers.ros.test_sorter import (
     shared_sorter,
     sorter,
     test_a_refused_sort_is_sent_again_as_the_next_attempt,
     test_a_sort_that_was_stopped_on_the_way_is_broken_off,
     test_another_program_learns_what_became_of_a_sort,
 )
-from tests.drivers.ros2.test_sorter import test_the_emergency_stop as test_the_emergency_stop_of_the_sorter
+from tests.drivers.ros.test_sorter import test_the_emergency_stop as test_the_emergency_stop_of_the_sorter
+from tests.drivers.ros2.rig import Rig
+from tests.drivers.ros2.scene import PYTHON
+from tests.drivers.ros2.test_arm import (
+    test_a_goal_that_fails_says_what_the_action_says,
+    test_a_move_whose_result_was_lost_is_looked_up,
+)
+from tests.drivers.ros2.test_failures import test_an_emergency_stop_that_was_published_once_is_heard_later
 from tests.drivers.ros2.topics import DEPTH, INFO
 
 pytestmark = [pytest.mark.process, pytest.mark.soak, pytest.mark.timeout(3600)]
 
 __all__ = [
     "either",
-    "shared_acting_arm",
     "shared_sorter",
     "sorter",
     "test_a_goal_that_fails_says_what_the_action_says",

@@ -1,34 +1,30 @@
-"""A sorter on ROS 2: its keys, and what its record tells."""
+"""A sorter on ROS: its keys, and what its record tells."""
 
 from collections.abc import Iterator
-from uuid import uuid4
 
 import pytest
 
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
-from beltsort.drivers.ros2 import Ros2Sorter
-from tests.drivers.ros2 import scene
-from tests.drivers.ros2.rig import Rig
+from beltsort.drivers.ros.sorter import RosSorter
+from tests.drivers.ros.fixtures import an_id
+from tests.drivers.ros.rig import PeerRig, await_ready
 
 pytestmark = pytest.mark.process
 
 
 @pytest.fixture(scope="module")
-def shared_sorter(shared: Rig) -> Iterator[Ros2Sorter]:
-    with Ros2Sorter(scene.sorter(shared.domain)) as sorter:
+def shared_sorter(shared: PeerRig) -> Iterator[RosSorter]:
+    with shared.sorter() as sorter:
         yield sorter
 
 
 @pytest.fixture
-def sorter(rig: Rig, shared_sorter: Ros2Sorter) -> Ros2Sorter:
+def sorter(rig: PeerRig, shared_sorter: RosSorter) -> RosSorter:
+    await_ready(shared_sorter)
     return shared_sorter
 
 
-def an_id() -> str:
-    return uuid4().hex
-
-
-def test_a_refused_sort_is_sent_again_as_the_next_attempt(rig: Rig, sorter: Ros2Sorter) -> None:
+def test_a_refused_sort_is_sent_again_as_the_next_attempt(rig: PeerRig, sorter: RosSorter) -> None:
     bins, one = rig.tell(full=True)["bins"], an_id()
     for attempt in (1, 2):
         with pytest.raises(CommandError, match=f"'{one}/{attempt}'.*the bin is full") as error:
@@ -39,10 +35,11 @@ def test_a_refused_sort_is_sent_again_as_the_next_attempt(rig: Rig, sorter: Ros2
     assert rig.tell()["bins"] == [*bins[:2], bins[2] + 1, *bins[3:]]
 
 
-def test_another_program_learns_what_became_of_a_sort(rig: Rig, sorter: Ros2Sorter) -> None:
+def test_another_program_learns_what_became_of_a_sort(rig: PeerRig, sorter: RosSorter) -> None:
     one, two = an_id(), an_id()
     sorter.sort(1, one)
-    with Ros2Sorter(scene.sorter(rig.domain)) as restarted:
+    with rig.sorter() as restarted:
+        await_ready(restarted)
         assert restarted.outcome_of(one) is Outcome.DONE
         assert restarted.outcome_of(two) is Outcome.UNKNOWN
         bins = rig.tell()["bins"]
@@ -50,7 +47,7 @@ def test_another_program_learns_what_became_of_a_sort(rig: Rig, sorter: Ros2Sort
         assert rig.tell()["bins"] == bins
 
 
-def test_a_sort_that_was_stopped_on_the_way_is_broken_off(rig: Rig, sorter: Ros2Sorter) -> None:
+def test_a_sort_that_was_stopped_on_the_way_is_broken_off(rig: PeerRig, sorter: RosSorter) -> None:
     rig.tell(sort=60.0)
     one = an_id()
     stopping = rig.when_busy("sorter", sorter.stop)
@@ -60,7 +57,7 @@ def test_a_sort_that_was_stopped_on_the_way_is_broken_off(rig: Rig, sorter: Ros2
     assert error.value.outcome is sorter.outcome_of(one) is Outcome.BROKEN_OFF
 
 
-def test_the_emergency_stop(rig: Rig, sorter: Ros2Sorter) -> None:
+def test_the_emergency_stop(rig: PeerRig, sorter: RosSorter) -> None:
     rig.tell(sort=60.0)
     pressing = rig.when_busy("sorter", lambda: rig.tell(emergency=True))
     one = an_id()

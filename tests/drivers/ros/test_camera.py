@@ -1,39 +1,39 @@
-"""Scans from a camera on ROS 1."""
+"""Scans from a camera on ROS."""
 
-import dataclasses
 import time
 
 import numpy as np
 import pytest
 
 from beltsort.cell import CommandError, Outcome
-from beltsort.drivers.ros1 import Ros1Arm, Ros1Camera
+from beltsort.drivers.ros.arm import RosArm
+from beltsort.drivers.ros.camera import RosCamera
 from beltsort.errors import CellError
-from tests.drivers.ros1 import scene
-from tests.drivers.ros1.rig import Rig
+from tests.drivers.ros.rig import PeerRig, await_ready
+from tests.drivers.ros.scenery import POINTS, POSES
 
 pytestmark = pytest.mark.process
 
 
-def test_a_scan_is_what_was_published(camera: Ros1Camera) -> None:
+def test_a_scan_is_what_was_published(camera: RosCamera) -> None:
     now = time.monotonic()
     scan = camera.scan(not_before=now, timeout=10.0)
-    np.testing.assert_array_equal(scan.points, scene.POINTS)
+    np.testing.assert_array_equal(scan.points, POINTS)
     assert scan.frame == "optical"
     assert now <= scan.stamp <= time.monotonic()
     np.testing.assert_array_equal(scan.world_from_camera[:3, :3], np.eye(3))
 
 
-def test_the_pose_is_the_taught_one_where_the_arm_stands(rig: Rig, arm: Ros1Arm) -> None:
-    with Ros1Camera(scene.camera_by_joints(rig.uri)) as camera:
-        for viewpoint, name in enumerate(scene.POSES):
+def test_the_pose_is_the_taught_one_where_the_arm_stands(rig: PeerRig, arm: RosArm) -> None:
+    with rig.camera(by_joints=True) as camera:
+        for viewpoint, name in enumerate(POSES):
             stop = arm.move_to(viewpoint, f"taught-{name}", timeout=10.0)
             pose = camera.scan(not_before=stop, timeout=10.0).world_from_camera
-            np.testing.assert_array_equal(pose, scene.POSES[name])
+            np.testing.assert_array_equal(pose, POSES[name])
 
 
-def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: Rig) -> None:
-    with Ros1Camera(dataclasses.replace(scene.camera_by_tf(rig.uri), world_frame="")) as camera:
+def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: PeerRig) -> None:
+    with rig.camera(world_frame="") as camera:
         assert np.isnan(camera.scan(not_before=time.monotonic(), timeout=10.0).world_from_camera).all()
 
 
@@ -49,7 +49,7 @@ def test_a_camera_without_a_frame_does_not_tell_its_pose(rig: Rig) -> None:
     ],
     ids=["stale scan", "clock ahead", "empty cloud", "NaN-only cloud", "truncated cloud", "other frame"],
 )
-def test_an_unusable_cloud_is_waited_out(rig: Rig, camera: Ros1Camera, cloud: str, said: str) -> None:
+def test_an_unusable_cloud_is_waited_out(rig: PeerRig, camera: RosCamera, cloud: str, said: str) -> None:
     rig.tell(cloud=cloud)
     now = time.monotonic()
     with pytest.raises(CommandError, match=said) as error:
@@ -59,14 +59,13 @@ def test_an_unusable_cloud_is_waited_out(rig: Rig, camera: Ros1Camera, cloud: st
     assert camera.scan(not_before=now, timeout=10.0).stamp >= now
 
 
-def test_misuse(camera: Ros1Camera) -> None:
+def test_misuse(camera: RosCamera) -> None:
     with pytest.raises(CellError, match=r"\bnot_before\b.*\bnan\b"):
         camera.scan(not_before=float("nan"))
 
 
-def test_a_world_that_tf_does_not_know(rig: Rig) -> None:
-    options = dataclasses.replace(scene.camera_by_tf(rig.uri), world_frame="moon")
-    with Ros1Camera(options) as camera:
-        camera.connect()
+def test_a_world_that_tf_does_not_know(rig: PeerRig) -> None:
+    with rig.camera(world_frame="moon") as camera:
+        await_ready(camera)
         with pytest.raises(CommandError, match=r"'optical'.*'moon'"):
-            camera.scan(not_before=0.0, timeout=2.0)
+            camera.scan(not_before=0.0, timeout=5.0)
