@@ -220,8 +220,9 @@ class Renderer:
 
     def render(self, state):
         """Return the camera's parameters, and its depths in metres, float32, row by row."""
-        self.process.stdin.write(json.dumps(state).encode() + b"\n")
-        self.process.stdin.flush()
+        with suppress(BrokenPipeError):  # it has ended already: its output, too
+            self.process.stdin.write(json.dumps(state).encode() + b"\n")
+            self.process.stdin.flush()
         line = self.process.stdout.readline()
         if not line:
             raise RuntimeError("renderer.py has ended, see above; give --renderer-python one with beltsort")
