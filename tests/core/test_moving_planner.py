@@ -42,7 +42,7 @@ def test_questions_that_make_no_sense_are_refused(
     planner: MovingPlanner, given: dict[str, int], named: str
 ) -> None:
     with pytest.raises(ArgumentError, match=named):
-        planner.plan(Belief(planner.model), **given)  # type: ignore[arg-type]
+        planner.plan(Belief(planner.model), **given)  # type: ignore[arg-type]  # the mistake
 
 
 def test_models_that_are_not_supported_are_refused() -> None:

@@ -20,6 +20,7 @@ mod look_ahead;
 mod lzf;
 mod model;
 mod moving_actions;
+mod moving_plan;
 mod moving_planner;
 mod names;
 mod one_object;
@@ -50,7 +51,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<moving_actions::Wait>()?;
     module.add_class::<moving_actions::DecideAt>()?;
     module.add_class::<moving_planner::PyMovingPlanner>()?;
-    module.add_class::<moving_planner::PyMovingPlan>()?;
+    module.add_class::<moving_plan::PyMovingPlan>()?;
     module.add_class::<evaluation::PyEvaluation>()?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(vfh::vfh, module)?)?;
