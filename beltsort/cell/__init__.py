@@ -10,6 +10,7 @@ from beltsort.cell.commands import (
     SortInto,
     within,
 )
+from beltsort.cell.diverting import BeltReading, Diversion, DiversionStatus, DivertingBelt
 from beltsort.cell.protocols import Actuator, Arm, Belt, Cell, DepthCamera, Device, Health, Scan, Sorter
 
 __all__ = [
@@ -18,10 +19,14 @@ __all__ = [
     "AdvanceTo",
     "Arm",
     "Belt",
+    "BeltReading",
     "Cell",
     "CommandError",
     "DepthCamera",
     "Device",
+    "Diversion",
+    "DiversionStatus",
+    "DivertingBelt",
     "EmergencyStopError",
     "Health",
     "MoveTo",
