@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from beltsort.cell import Scan
 from beltsort.perception import Finding, Perception
-from beltsort.sim import CellConfig, MovingBelt, MovingCell
+from beltsort.sim import BeltDrive, CellConfig, MovingCell
 from beltsort.sim.prepare import prepare
 from beltsort.tracking import (
     Ambiguous,
@@ -94,7 +94,7 @@ class Belt:
         """Return the counts, by the names of `MEASURES`."""
         here, config = self.circumstance, CellConfig()
         drawn = np.random.default_rng(self.number).integers(len(config.classes), size=self.objects)
-        moving = MovingBelt(
+        moving = BeltDrive(
             here.speed or STANDING, JITTER, EMPTY, here.exposure,
             encoder_scale=here.scale, encoder_jitter=here.jitter,
         )  # fmt: skip

@@ -10,7 +10,7 @@ from beltsort.cell.commands import (
     SortInto,
     within,
 )
-from beltsort.cell.diverting import BeltReading, Diversion, DiversionStatus, DivertingBelt
+from beltsort.cell.diverting import BeltReading, Diversion, DiversionStatus, DivertingBelt, DivertingCell
 from beltsort.cell.protocols import Actuator, Arm, Belt, Cell, DepthCamera, Device, Health, Scan, Sorter
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "Diversion",
     "DiversionStatus",
     "DivertingBelt",
+    "DivertingCell",
     "EmergencyStopError",
     "Health",
     "MoveTo",

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from beltsort.cell.diverting import DivertingCell
 from beltsort.cell.protocols import Cell, NamesBins, NumbersBins
 
 REJECT = "reject"
@@ -29,7 +30,7 @@ class Bin:
         return f'bin "{self.name}" ({self.number})'
 
 
-def bin_names_of(cell: Cell) -> tuple[str, ...]:
+def bin_names_of(cell: Cell | DivertingCell) -> tuple[str, ...]:
     """Return the names of a cell's bins, without the reject bin; those of its classes if it names none."""
     return tuple((isinstance(cell, NamesBins) and cell.bin_names) or cell.classes)
 
@@ -54,7 +55,7 @@ def without_empty(names: Sequence[str], empty: str | None, known: Sequence[str])
     return list(names[:-1] if names[-1] == empty and empty not in known else names)
 
 
-def bin_of(cell: Cell, index: int) -> Bin:
+def bin_of(cell: Cell | DivertingCell, index: int) -> Bin:
     """Return a bin of a cell by its index, or the cell's `reject_bin`.
 
     If the sorter has no numbers of its own, the number is the index.

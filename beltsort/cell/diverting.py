@@ -12,12 +12,14 @@ A diversion is queued at the controller, which carries it out when the object co
   travel begins at 0 with every start of the controller.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
 from beltsort.cell.commands import TIMEOUT
-from beltsort.cell.protocols import Device
+from beltsort.cell.protocols import Arm, DepthCamera, Device
+from beltsort.geometry import BeltLayout
 
 
 class Diversion(Enum):
@@ -153,3 +155,34 @@ class DivertingBelt(Device, Protocol):
         CommandError
             If the controller cannot be asked.
         """
+
+
+class DivertingCell(Protocol):
+    """Arm, camera and a belt that never stops, with their configuration."""
+
+    @property
+    def arm(self) -> Arm:
+        """The arm that carries the camera."""
+
+    @property
+    def camera(self) -> DepthCamera:
+        """The depth camera."""
+
+    @property
+    def belt(self) -> DivertingBelt:
+        """The belt with its diverters."""
+
+    @property
+    def classes(self) -> Sequence[str]:
+        """Names of the object classes; one bin each, unless the cell names its bins (`NamesBins`)."""
+
+    @property
+    def viewpoints(self) -> Sequence[str]:
+        """Names of the viewpoints."""
+
+    @property
+    def layout(self) -> BeltLayout:
+        """The belt's geometry: sizes of cups, their regular distance, and the number of places seen."""
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass on the cell's clock."""

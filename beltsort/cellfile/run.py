@@ -20,12 +20,13 @@ from beltsort.planning.policy import Policy
 from beltsort.rrd import Recorder
 from beltsort.sim.prepare import StageProgress
 from beltsort.sorting.call_log import CallLog
+from beltsort.sorting.heeding import Check, nothing
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listeners, listeners_of
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.kept_scans import ScanKeeper, ScanListener, all_of
 from beltsort.sorting.locks import devices_locked, locked
-from beltsort.sorting.loop import Check, nothing, resume_sorting
+from beltsort.sorting.loop import resume_sorting
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport

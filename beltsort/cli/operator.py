@@ -6,8 +6,8 @@ from pathlib import Path
 
 from beltsort import ArgumentError
 from beltsort.cli.output import print_status
+from beltsort.sorting.heeding import Check, nothing
 from beltsort.sorting.holds import Answer, HeldError, Hold, Reply
-from beltsort.sorting.loop import Check, nothing
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.requests import read_reply
 from beltsort.sorting.settling import may_answer

@@ -31,6 +31,18 @@ from beltsort.sorting.entries import (
 )
 from beltsort.sorting.entry_text import EntryFormatter, in_words
 from beltsort.sorting.journal import Entry
+from beltsort.sorting.moving.entries import (
+    Anchored,
+    DiversionTold,
+    Diverting,
+    Fate,
+    FoundEmpty,
+    Looked,
+    MovingResumed,
+    MovingSnapshot,
+    MovingStarted,
+    ObjectLeft,
+)
 from beltsort.sorting.progress import Progress
 
 LOGGER = "beltsort.run"
@@ -83,7 +95,7 @@ class EntryLogger:
     def _place(self, content: AnyContent) -> None:
         """Update run and step."""
         match content:
-            case Started(run=run):
+            case Started(run=run) | MovingStarted(run=run) | MovingSnapshot(run=run):
                 self.run = run
             case Snapshot(run=run, steps=steps):
                 self.run, self._done = run, steps
@@ -110,6 +122,14 @@ def level_of(content: AnyContent) -> int:
     True
     """
     match content:
+        case ObjectLeft(fate=fate):
+            return logging.INFO if fate in (Fate.IN_BIN, Fate.EMPTY) else logging.WARNING
+        case DiversionTold(state=told):
+            return logging.DEBUG if told in ("queued", "done") else logging.WARNING
+        case Looked() | FoundEmpty() | Diverting():
+            return logging.DEBUG
+        case MovingStarted() | MovingResumed() | MovingSnapshot() | Anchored():
+            return logging.INFO
         case StateChanged(State.ABORTED):
             return logging.ERROR
         case Ended(reason):

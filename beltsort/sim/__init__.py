@@ -9,8 +9,8 @@ than chance.
 from typing import TYPE_CHECKING, Any
 
 from beltsort.geometry import SphereViewpoint
+from beltsort.sim.belt_drive import BeltDrive
 from beltsort.sim.config import ArmErrors, CellConfig, Cup, PoseMix
-from beltsort.sim.moving_belt import MovingBelt
 from beltsort.sim.sensor import Camera, SensorNoise
 
 if TYPE_CHECKING:
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArmErrors",
+    "BeltDrive",
     "Camera",
     "CellConfig",
     "Cup",
-    "MovingBelt",
     "MovingCell",
     "PoseMix",
     "SensorNoise",

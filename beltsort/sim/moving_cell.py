@@ -8,9 +8,9 @@ from beltsort.cell.commands import TIMEOUT, CommandError, Outcome
 from beltsort.cell.protocols import Health, Scan
 from beltsort.errors import CellError
 from beltsort.geometry import BeltLayout, Points, Pose, look_at
+from beltsort.sim.belt_drive import BeltDrive
 from beltsort.sim.cell import SCAN_STREAM
 from beltsort.sim.config import CellConfig
-from beltsort.sim.moving_belt import MovingBelt
 from beltsort.sim.noise import measured_points
 from beltsort.sim.world import World
 from beltsort.tracking.motion import EncoderReading
@@ -50,7 +50,7 @@ class MovingCell:
 
     Examples
     --------
-    >>> cell = MovingCell([3, 0, None, 2], MovingBelt(belt_speed=0.1))
+    >>> cell = MovingCell([3, 0, None, 2], BeltDrive(belt_speed=0.1))
     >>> cell.wait(1.0)
     >>> round(cell.place(1), 6)
     0.08
@@ -61,12 +61,12 @@ class MovingCell:
     def __init__(
         self,
         true_labels: Sequence[int | None],
-        belt: MovingBelt | None = None,
+        belt: BeltDrive | None = None,
         config: CellConfig | None = None,
         seed: int = 0,
     ) -> None:
         self.config = CellConfig() if config is None else config
-        self.moving = MovingBelt() if belt is None else belt
+        self.moving = BeltDrive() if belt is None else belt
         room = self.layout.spacing - 2.0 * self.layout.rim_radius - 6.0 * self.moving.pitch_jitter
         if self.moving.pitch_jitter > 0.0 and room <= 0.0:
             raise CellError(

@@ -7,13 +7,14 @@ numbers from 0; labels, bins and viewpoints are indices into the model's `labels
 the reject bin excepted; beliefs have shape (H, L).
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, ClassVar, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from beltsort.sorting.command import Command
+from beltsort.sorting.content import Content
 from beltsort.sorting.holds import Answer, Way
+from beltsort.sorting.moving.entries import MovingContent
 from beltsort.sorting.report import Counts, Decision
 from beltsort.sorting.rules import Seen
 
@@ -29,19 +30,6 @@ class State(StrEnum):
     """Ended by a person."""
     ABORTED = "Aborted"
     """Ended by the emergency stop, or by an unexpected error."""
-
-
-class Content:
-    """The content of an entry.
-
-    Attributes
-    ----------
-    kind
-        Name of this kind of entry in the journal; two classes may share it.
-    """
-
-    kind: ClassVar[str]
-    __pydantic_config__: ClassVar[Mapping[str, str]] = {"extra": "forbid"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -346,4 +334,5 @@ AnyContent: TypeAlias = (
     | Unheard
     | Snapshot
     | Ended
+    | MovingContent
 )

@@ -32,6 +32,7 @@ from beltsort.sorting.journal_files import (
     rows_of,
     transaction,
 )
+from beltsort.sorting.moving.entries import MovingSnapshot, MovingStarted
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ Listeners = Listener | Sequence[Listener | None] | None
 BATCH = 1000
 """Number of entries that are read at once."""
 
-WHOLE = (Started.kind, Snapshot.kind)
+WHOLE = (Started.kind, Snapshot.kind, MovingStarted.kind, MovingSnapshot.kind)
 """Kinds of entries before which nothing needs to be known to go on."""
 
 
@@ -163,7 +164,7 @@ class Journal:
         """Whether the file being written can be read without those before it."""
         return first_kind(self._database) in WHOLE
 
-    def rotate(self, snapshot: Snapshot) -> None:
+    def rotate(self, snapshot: Snapshot | MovingSnapshot) -> None:
         """Copy the entries to a numbered file, begin anew with a snapshot, and drop the oldest files.
 
         The file being written keeps its place, since its readers may have it open. A rotation that is cut

@@ -1,7 +1,5 @@
 """The sorting loop: scan, perceive, update the belief, plan, act. Every step is journalled."""
 
-import time
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,14 +8,15 @@ from uuid import uuid4
 import beltsort
 from beltsort._core import Despot, SortingModel
 from beltsort.cell import Cell, EmergencyStopError
-from beltsort.cell.bins import bin_names_of, without_empty
 from beltsort.cell.commands import AdvanceTo, MoveTo, SortInto
 from beltsort.cell.stopping import stopping
 from beltsort.errors import CellError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.choosing import Chooser
 from beltsort.sorting.commander import Commander
-from beltsort.sorting.entries import Drifted, Ended, Requested, Resumed, Started, State, StateChanged
+from beltsort.sorting.entries import Drifted, Ended, Resumed, Started, State, StateChanged
+from beltsort.sorting.fit import check_fit
+from beltsort.sorting.heeding import Check, Heeding, nothing
 from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
 from beltsort.sorting.journal import Journal
 from beltsort.sorting.kept_scans import ScanListener
@@ -26,22 +25,12 @@ from beltsort.sorting.perceived import NamesLabels, Perceive, PerceivedPosition
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.report import SortingReport
-from beltsort.sorting.requests import Request, drop_request, read_request
+from beltsort.sorting.requests import Request
 from beltsort.sorting.rules import Drift, Rules
 from beltsort.sorting.run_state import Next
 from beltsort.util.text import number_or_none
 
 __all__ = ["NamesLabels", "Perceive", "PerceivedPosition", "resume_sorting", "sort_objects"]
-
-REQUEST_INTERVAL = 0.2
-"""Time between two looks for the request to continue a run that is held by one, seconds."""
-
-Check = Callable[[], None]
-"""Called before each step of a run; an exception that it raises ends the run."""
-
-
-def nothing() -> None:
-    """Check nothing."""
 
 
 def sort_objects(
@@ -205,8 +194,8 @@ class _Loop:
         scan_listener: ScanListener | None,
     ) -> None:
         self.cell, self.record, self.progress, self.drift = cell, record, record.progress, drift
-        self.check, self.requests = check, requests
-        _check_fit(cell, self.progress.model)
+        self.check, self.heed = check, Heeding(requests, record, check)
+        check_fit(cell, self.progress.model)
         self.commander = Commander(cell, self.progress, record, rules, operator, check)
         self.observer = Observer(cell, perceive, self.progress, record, rules, scan_listener)
         self.chooser = Chooser(cell, policy, record, rules, self.commander)
@@ -223,12 +212,12 @@ class _Loop:
                 self.record(StateChanged(State.EXECUTE, first.kind))
                 while not self.progress.done:
                     self.check()
-                    if stop := self.heed_requests():
+                    if stop := self.heed():
                         break
                     self.step()
         except BaseException as failure:
             ways = [*failure.hold.ways] if isinstance(failure, HeldError) else None
-            self.record(StateChanged(_state_after(failure), repr(failure), ways=ways))
+            self.record(StateChanged(state_after(failure), repr(failure), ways=ways))
             self.record(Ended(repr(failure)))
             raise
         if stop is None:
@@ -248,35 +237,6 @@ class _Loop:
             dict(progress.pose_faults),
             stopped_by=None if stop is None else stop.by,
         )
-
-    def heed_requests(self) -> Request | None:
-        """Journal a request to hold or to stop; wait while held; return the request to stop, if there is one.
-
-        Only a hold outlasts the process: a request to stop is dropped once it is journalled, so that the run
-        can be resumed.
-        """
-        request = None if self.requests is None else read_request(self.requests)
-        if self.requests is None or request is None or request.action == "continue":
-            return None
-        self.record(Requested(**asdict(request)))
-        if request.action == "hold":
-            request = self.wait_while_held(self.requests, request)
-            self.record(Requested(**asdict(request)))
-        if request.action == "stop":
-            drop_request(self.requests)
-            return request
-        self.record(StateChanged(State.EXECUTE, f"{request.by} asked to continue"))
-        return None
-
-    def wait_while_held(self, folder: Path, hold: Request) -> Request:
-        """Wait until a person asks to continue or to stop, and return that request."""
-        self.record(StateChanged(State.HELD, f"{hold.by} asked to hold"))
-        request = hold
-        while request.action == "hold":
-            time.sleep(REQUEST_INTERVAL)
-            self.check()
-            request = read_request(folder) or hold  # nothing but a request ends a hold
-        return request
 
     def step(self) -> None:
         """Take the next step; a pending command and the camera's return to its viewpoint come first."""
@@ -311,7 +271,7 @@ class _Loop:
             raise HeldError(Hold(None, reason, person=True))
 
 
-def _state_after(failure: BaseException) -> State:
+def state_after(failure: BaseException) -> State:
     """Return the state of a run after a failure: held if it can be resumed once the cell is in order."""
     match failure:
         case EmergencyStopError():
@@ -327,21 +287,3 @@ def _state_after(failure: BaseException) -> State:
 def _settings(policy: Policy) -> dict[str, Any] | None:
     """Return what the journal keeps of a policy: the settings of `Despot`, nothing of others."""
     return policy.settings if isinstance(policy, Despot) else None
-
-
-def _check_fit(cell: Cell, model: SortingModel) -> None:
-    """Check that a cell has the classes, viewpoints, positions and bins of a model."""
-    bins = bin_names_of(cell)
-    pairs: list[tuple[str, Any, Any]] = [
-        ("classes", list(cell.classes), without_empty(model.classes, model.empty, cell.classes)),
-        ("viewpoints", list(cell.viewpoints), list(model.viewpoints)),
-        ("positions", cell.layout.positions, model.positions),
-        ("bins", list(bins), without_empty(model.bins, model.empty, bins)),
-    ]
-    for name, of_cell, of_model in pairs:
-        if of_cell != of_model:
-            remedy = "give the cell these" if name == "bins" else "estimate the tables with this cell"
-            raise CellError(
-                f"the cell's {name} are {of_cell}, the model's {of_model}; they must agree, in order: "
-                f"{remedy}"
-            )

@@ -77,7 +77,7 @@ class LabelNumbers:
         only for the labels that they were estimated with.
     """
 
-    def __init__(self, perceive: Perceive, model: SortingModel) -> None:
+    def __init__(self, perceive: object, model: SortingModel) -> None:
         labels = model.labels
         self._names = list(perceive.labels if isinstance(perceive, NamesLabels) else model.classes)
         _check_same(self._names, labels, model.empty)

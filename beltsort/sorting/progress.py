@@ -38,6 +38,7 @@ from beltsort.sorting.entries import (
 )
 from beltsort.sorting.first_entry import model_of
 from beltsort.sorting.journal import Entry
+from beltsort.sorting.moving.entries import MovingContent
 from beltsort.sorting.report import Counts, Decision
 from beltsort.sorting.rules import Seen
 from beltsort.sorting.run_state import LATEST, Next, RunState
@@ -79,6 +80,11 @@ class Progress(RunState):
         JournalError
             If the entry contradicts those before it.
         """
+        if isinstance(entry.content, MovingContent):
+            raise JournalError(
+                f"entry {entry.number} ({entry.kind}) is of a belt that never stops, expected one of a belt "
+                "that stops: resume the run with the cell file that it began with"
+            )
         match entry.content:
             case Started() as start:
                 self._start(start)

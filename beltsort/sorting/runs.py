@@ -10,12 +10,13 @@ from beltsort import SortingModel
 from beltsort.cell.protocols import Cell
 from beltsort.errors import JournalError
 from beltsort.planning.policy import Policy
+from beltsort.sorting.heeding import Check, nothing
 from beltsort.sorting.holds import Operator, nobody
 from beltsort.sorting.journal import Journal, Listeners
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.journal_queries import has_entries
 from beltsort.sorting.kept_scans import ScanKeeper, ScanListener, all_of
-from beltsort.sorting.loop import Check, nothing, sort_objects
+from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.perceived import Perceive
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import Decision, SortingReport

@@ -4,7 +4,7 @@ Positions are continuous, in metres along the belt. Readings of the encoder are 
 each scan is given to `track_scan`, which labels what it shows and updates a `Tracker`.
 """
 
-from beltsort.tracking.looks import TrackedLook, TrackedScan, track_scan
+from beltsort.tracking.looks import TrackedLook, TrackedPerception, TrackedScan, track_scan
 from beltsort.tracking.motion import BeltMotion, EncoderReading, MotionConfig, Travel
 from beltsort.tracking.smear import without_smear
 from beltsort.tracking.tracker import Sighting, Tracker, TrackerConfig, TrackingUpdate
@@ -32,6 +32,7 @@ __all__ = [
     "TooClose",
     "Track",
     "TrackedLook",
+    "TrackedPerception",
     "TrackedScan",
     "Tracker",
     "TrackerConfig",

@@ -108,6 +108,34 @@ def track_scan(
     return TrackedScan(tuple(TrackedLook(*look) for look in looks), update)
 
 
+@dataclass(frozen=True)
+class TrackedPerception:
+    """`track_scan` with a classifier and a camera.
+
+    Attributes
+    ----------
+    perception
+        Classifier and settings.
+    exposure, place_error
+        As in `track_scan`.
+    """
+
+    perception: Perception
+    exposure: float = 0.0
+    place_error: float = PLACE_ERROR
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the labels."""
+        return self.perception.labels
+
+    def __call__(self, scan: Scan, tracker: Tracker) -> TrackedScan:
+        """Return what `track_scan` returns."""
+        return track_scan(
+            scan, tracker, self.perception, exposure=self.exposure, place_error=self.place_error
+        )
+
+
 def _without_cup(expected: Sequence[Expected], cups: Sequence[float], gate: float) -> Iterator[float]:
     """Yield the places of tracks near which no cup is seen, metres."""
     return (track.place for track in expected if _nearest(track.place, cups) >= gate)

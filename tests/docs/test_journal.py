@@ -15,9 +15,9 @@ PAGE = (Path(__file__).parents[2] / "docs" / "journal.md").read_text("utf-8")
 
 
 def rows_of(head: str) -> list[list[str]]:
-    """Return the cells of a table, without its head."""
-    table = PAGE.partition(f"| {head} |")[2].partition("\n\n")[0].splitlines()[2:]
-    return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in table]
+    """Return the cells of the tables with a head, without it."""
+    tables = [part.partition("\n\n")[0].splitlines()[2:] for part in PAGE.split(f"| {head} |")[1:]]
+    return [[cell.strip() for cell in row.strip("|").split(" | ")] for table in tables for row in table]
 
 
 def test_version_and_columns_are_those_of_a_file(tmp_path: Path) -> None:

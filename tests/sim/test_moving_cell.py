@@ -9,10 +9,10 @@ from beltsort.cell import Arm, CommandError, DepthCamera, Outcome, Scan
 from beltsort.errors import CellError
 from beltsort.geometry import Points, SphereViewpoint, transform
 from beltsort.perception import find_cups
-from beltsort.sim import CellConfig, MovingBelt, MovingCell, SimulatedCell
+from beltsort.sim import BeltDrive, CellConfig, MovingCell, SimulatedCell
 from beltsort.tracking import BeltMotion, without_smear
 
-STILL = MovingBelt(belt_speed=0.0)
+STILL = BeltDrive(belt_speed=0.0)
 
 
 def cups_of(cell: MovingCell, scan: Scan) -> list[float]:
@@ -52,7 +52,7 @@ def test_slices_of_the_same_moment_make_the_whole_view() -> None:
 
 
 def test_the_belt_moves_whenever_time_passes() -> None:
-    cell = MovingCell([0, 1], MovingBelt(belt_speed=0.1))
+    cell = MovingCell([0, 1], BeltDrive(belt_speed=0.1))
     cell.wait(0.5)
     assert cell.place(1) == pytest.approx(0.18 - 0.05)
     stop = cell.move_to(1, "move")
@@ -67,7 +67,7 @@ def test_the_belt_moves_whenever_time_passes() -> None:
 def test_objects_are_seen_where_they_are_in_the_middle_of_a_short_exposure(
     overhead: CellConfig, speed: float
 ) -> None:
-    cell = MovingCell([None] * 8, MovingBelt(belt_speed=speed, exposure=0.001), overhead)
+    cell = MovingCell([None] * 8, BeltDrive(belt_speed=speed, exposure=0.001), overhead)
     for _ in range(2):
         cell.wait(0.2)
         scan = cell.scan(not_before=0.0)
@@ -85,7 +85,7 @@ def rim(scan: Scan, x: float, height: float) -> Points:
 def test_a_long_exposure_smears_what_the_belt_carries_and_the_motion_corrects_it(
     overhead: CellConfig,
 ) -> None:
-    belt = MovingBelt(belt_speed=0.5, exposure=0.2, slices=48)
+    belt = BeltDrive(belt_speed=0.5, exposure=0.2, slices=48)
     cell = MovingCell([None] * 3, belt, overhead)
     motion = BeltMotion()
     motion.add(cell.encoder())
@@ -115,7 +115,7 @@ def test_without_motion_nothing_is_corrected(overhead: CellConfig) -> None:
 
 def test_the_camera_moves_during_an_exposure_that_begins_on_the_way(perfect: CellConfig) -> None:
     def on_the_way(exposure: float) -> tuple[Scan, Points]:
-        cell = MovingCell([], MovingBelt(belt_speed=0.0, exposure=exposure, slices=24), perfect)
+        cell = MovingCell([], BeltDrive(belt_speed=0.0, exposure=exposure, slices=24), perfect)
         end = cell.start_move(1)
         scan = cell.scan(not_before=end / 2.0)
         return scan, transform(scan.world_from_camera, scan.points[np.isfinite(scan.points[..., 2])])
@@ -130,7 +130,7 @@ def test_the_camera_moves_during_an_exposure_that_begins_on_the_way(perfect: Cel
 
 def test_places_jitter_about_the_pitch_and_are_the_same_for_a_seed() -> None:
     def places(seed: int) -> list[float]:
-        cell = MovingCell([0] * 200, MovingBelt(belt_speed=0.0, pitch_jitter=0.01), seed=seed)
+        cell = MovingCell([0] * 200, BeltDrive(belt_speed=0.0, pitch_jitter=0.01), seed=seed)
         return [cell.place(n) for n in range(200)]
 
     offsets = np.array(places(1)) - 0.18 * np.arange(200)
@@ -140,23 +140,23 @@ def test_places_jitter_about_the_pitch_and_are_the_same_for_a_seed() -> None:
 
 
 def test_cups_are_empty_as_often_as_said() -> None:
-    cell = MovingCell([1] * 400, MovingBelt(empty=0.3), seed=2)
+    cell = MovingCell([1] * 400, BeltDrive(empty=0.3), seed=2)
     empty = sum(cell.true_class(n) is None for n in range(400))
     assert empty == pytest.approx(120, abs=30)
 
 
 def test_the_encoder_has_the_errors_it_is_given() -> None:
-    exact, wrong = (MovingCell([], MovingBelt(belt_speed=0.1, encoder_scale=scale)) for scale in (1.0, 1.01))
+    exact, wrong = (MovingCell([], BeltDrive(belt_speed=0.1, encoder_scale=scale)) for scale in (1.0, 1.01))
     for cell in (exact, wrong):
         cell.wait(10.0)
     assert exact.encoder().travel == pytest.approx(1.0)
     assert wrong.encoder().travel == pytest.approx(1.01)
-    jittery = MovingCell([], MovingBelt(belt_speed=0.0, encoder_jitter=0.002))
+    jittery = MovingCell([], BeltDrive(belt_speed=0.0, encoder_jitter=0.002))
     assert np.std([jittery.encoder().travel for _ in range(300)]) == pytest.approx(0.002, rel=0.15)
 
 
 def test_a_stop_stops_the_belt() -> None:
-    cell = MovingCell([0], MovingBelt(belt_speed=0.5))
+    cell = MovingCell([0], BeltDrive(belt_speed=0.5))
     cell.stop()
     cell.wait(3.0)
     assert cell.place(0) == 0.0
@@ -200,9 +200,9 @@ def test_commands_out_of_range_are_refused() -> None:
 )
 def test_settings_out_of_range_are_refused(name: str, value: float) -> None:
     with pytest.raises(CellError, match=f"{name} is {value}"):
-        MovingBelt(**{name: value})  # type: ignore[arg-type]
+        BeltDrive(**{name: value})  # type: ignore[arg-type]
 
 
 def test_cups_that_could_touch_are_refused() -> None:
     with pytest.raises(CellError, match="could touch"):
-        MovingCell([0], MovingBelt(pitch_jitter=0.02))
+        MovingCell([0], BeltDrive(pitch_jitter=0.02))

@@ -6,7 +6,7 @@ import pytest
 
 from beltsort.errors import TrackingError
 from beltsort.perception import Finding, Perception
-from beltsort.sim import CellConfig, MovingBelt, MovingCell
+from beltsort.sim import BeltDrive, CellConfig, MovingCell
 from beltsort.sim.prepare import prepare
 from beltsort.tracking import BeltMotion, TrackedScan, Tracker, TrackerConfig, track_scan, without_smear
 
@@ -22,7 +22,7 @@ class Line:
     """A moving belt with tracker, seen from above, that is scanned now and then."""
 
     def __init__(self, perception: Perception, *classes: int | None, speed: float = 0.2) -> None:
-        self.cell = MovingCell(classes, MovingBelt(speed, pitch_jitter=0.008, exposure=EXPOSURE), seed=11)
+        self.cell = MovingCell(classes, BeltDrive(speed, pitch_jitter=0.008, exposure=EXPOSURE), seed=11)
         self.cell.set_speed(0.0)
         self.cell.move_to(2, "move")
         self.cell.set_speed(speed)

@@ -15,7 +15,7 @@ from beltsort.perception import Perception
 from beltsort.perception.pipeline import Perceived
 from beltsort.sim import CellConfig, SimulatedCell
 from beltsort.sim.prepare import Recipe, prepare
-from beltsort.sorting.loop import Check, nothing
+from beltsort.sorting.heeding import Check, nothing
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.rules import Rules
 from beltsort.sorting.runs import sort_into, write_true_classes

@@ -10,7 +10,7 @@ from beltsort.util.naming import suggests_keywords
 
 @suggests_keywords
 @dataclass(frozen=True)
-class MovingBelt:
+class BeltDrive:
     """How a simulated belt moves, and how the camera and the encoder see it.
 
     Attributes
