@@ -22,7 +22,7 @@ from beltsort.sorting.rules import Rules
 from beltsort.testing.controller import Machine
 from tests.cellfile.cell_files import EXAMPLE, NOTHING_SIMULATED, described
 from tests.cli.cells import PREPARE
-from tests.contract.test_device import Station
+from tests.contract.test_device import SortingStation
 from tests.sorting.plant import BINS, CLASSES, LABELS, plant
 from tests.sorting.scripted_cell import Glimpsed
 
@@ -129,8 +129,8 @@ class LookOnce:
 
 
 @pytest.fixture
-def station(monkeypatch: pytest.MonkeyPatch) -> Station:
-    station = Station(Machine(bins=10, sort_seconds=0.0, advance_seconds=0.0))
+def station(monkeypatch: pytest.MonkeyPatch) -> SortingStation:
+    station = SortingStation(Machine(bins=10, sort_seconds=0.0, advance_seconds=0.0))
     device = station.device()
     monkeypatch.setitem(BUILT_IN, "station", dict.fromkeys(("belt", "sorter"), f"{__name__}:STATION"))
     monkeypatch.setattr(f"{__name__}.STATION", Backend(lambda _options, _cell: device, shared=True))
@@ -141,7 +141,9 @@ STATION: Backend | None = None
 
 
 @pytest.mark.parametrize("max_looks", [60, 1])
-def test_the_controller_gets_the_sorters_numbers(station: Station, tmp_path: Path, max_looks: int) -> None:
+def test_the_controller_gets_the_sorters_numbers(
+    station: SortingStation, tmp_path: Path, max_looks: int
+) -> None:
     at_station = [
         (f'[{role}]\nbackend = "dry-run"', f'[{role}]\nbackend = "station"') for role in ("belt", "sorter")
     ]

@@ -1,7 +1,7 @@
 """What the client does with connections that fail at the worst moment; no network, no process."""
 
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import fields
 
 import pytest
 
@@ -9,83 +9,43 @@ from beltsort.cell import CommandError, Outcome
 from beltsort.drivers.fieldbus import FieldbusDevice
 from beltsort.drivers.fieldbus.wire import COMMANDS, Reply, Request, Verb, checked
 from beltsort.testing.controller import Controller, Machine
+from tests.contract.station import Station
 
 NOW = 1000.0
 """The cell's clock."""
 
 
-@dataclass
-class Station:
-    """A controller at the other end of a network that can hold requests back."""
+class SortingStation(Station[Request, Reply]):
+    """A controller of a belt that stops, whose replies may be garbage."""
 
-    machine: Machine = field(default_factory=lambda: Machine(sort_seconds=0.0, advance_seconds=0.0))
-    time: float = 0.0
-    connections: int = 0
-    holding: bool = False
-    silent: int = 0
-    garbage: dict[str, int] = field(default_factory=dict)
-    held: list[Request] = field(default_factory=list)
-    commands: int = 0
+    acting = COMMANDS
 
-    def __post_init__(self) -> None:
-        self.controller = Controller(self.machine, boot=1, clock=lambda: self.time)
+    def __init__(self, machine: Machine | None = None, garbage: dict[str, int] | None = None) -> None:
+        super().__init__()
+        self.time = 0.0
+        self.garbage = garbage or {}
+        machine = machine or Machine(sort_seconds=0.0, advance_seconds=0.0)
+        self.controller: Controller = Controller(machine, boot=1, clock=lambda: self.time)
         self.controller.home(0)
         self.reply = self.controller.answer(Request(0, Verb.LOOK))
 
-    def take(self, request: Request) -> None:
-        if self.controller.is_new(request):
-            self.garbage = {}
-            reply = self.controller.answer(request)
-            if self.silent > 0:
-                self.silent -= 1
-            else:
-                self.reply = reply
+    def fresh(self) -> None:
+        self.garbage = {}
+
+    def shown(self) -> Reply:
+        whole = {field.name: getattr(self.reply, field.name) for field in fields(Reply)}
+        flags = whole.pop("ready") + 2 * whole.pop("emergency_stop")
+        return checked(**whole | {"flags": flags} | self.garbage)
 
     @property
     def bins(self) -> tuple[int, ...]:
         return self.controller.answer(Request(self.controller.sequence, Verb.LOOK)).bins
 
-    def deliver(self) -> None:
-        """Let what was held back arrive."""
-        self.holding = False
-        for request in self.held:
-            self.take(request)
-
-    def connect(self, _seconds: float) -> "Wire":
-        self.connections += 1
-        self.wire = Wire(self)
-        return self.wire
-
     def device(self) -> FieldbusDevice:
         return FieldbusDevice(self.connect, "the station", answer_timeout=1.0, clock=lambda: NOW)
 
 
-@dataclass
-class Wire:
-    station: Station
-    broken: bool = False
-
-    def write(self, request: Request) -> None:
-        if self.broken:
-            raise ConnectionResetError("broken")
-        if request.verb in COMMANDS:
-            self.station.commands += 1
-            if self.station.holding:
-                self.station.held.append(request)
-                return
-        self.station.take(request)
-
-    def read(self) -> Reply:
-        assert not self.broken
-        whole = {field.name: getattr(self.station.reply, field.name) for field in fields(Reply)}
-        flags = whole.pop("ready") + 2 * whole.pop("emergency_stop")
-        return checked(**whole | {"flags": flags} | self.station.garbage)
-
-    def close(self) -> None:
-        self.broken = True
-
-
-def lost_sort(station: Station, device: FieldbusDevice) -> None:
+def lost_sort(station: SortingStation, device: FieldbusDevice) -> None:
     """Send the command "sort", which the network holds back."""
     station.holding = True
     with pytest.raises(CommandError, match=r"\bsort\w*\b.*Error\b") as error:
@@ -96,7 +56,7 @@ def lost_sort(station: Station, device: FieldbusDevice) -> None:
 
 
 def test_a_command_that_is_late_after_the_question_never_acts() -> None:
-    station = Station()
+    station = SortingStation()
     device = station.device()
     lost_sort(station, device)
     assert device.outcome_of("sort") is Outcome.NOT_DONE
@@ -107,7 +67,7 @@ def test_a_command_that_is_late_after_the_question_never_acts() -> None:
 
 
 def test_a_command_that_is_late_before_the_question_acts() -> None:
-    station = Station()
+    station = SortingStation()
     device = station.device()
     lost_sort(station, device)
     station.deliver()
@@ -119,7 +79,7 @@ def test_a_command_that_is_late_before_the_question_acts() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("unanswered", [1, 2, 3])
 def test_requests_that_act_unanswered_do_not_block_the_next(unanswered: int) -> None:
-    station = Station()
+    station = SortingStation()
     device = station.device()
     device.advance_to(1, "advance")
     station.silent = unanswered
@@ -131,7 +91,7 @@ def test_requests_that_act_unanswered_do_not_block_the_next(unanswered: int) -> 
 
 
 def test_a_connection_that_failed_is_not_used_again() -> None:
-    station = Station()
+    station = SortingStation()
     device = station.device()
     lost_sort(station, device)
     failed = station.wire
@@ -141,7 +101,7 @@ def test_a_connection_that_failed_is_not_used_again() -> None:
 
 
 def test_a_connection_that_broke_between_commands_is_replaced() -> None:
-    station = Station()
+    station = SortingStation()
     device = station.device()
     device.sort(1, "first")
     station.wire.broken = True
@@ -150,7 +110,7 @@ def test_a_connection_that_broke_between_commands_is_replaced() -> None:
 
 
 def test_a_command_that_may_have_been_forgotten_is_unknown_and_not_repeated() -> None:
-    station = Station(Machine(sort_seconds=0.0, advance_seconds=0.0, memory=2))
+    station = SortingStation(Machine(sort_seconds=0.0, advance_seconds=0.0, memory=2))
     device = station.device()
     lost_sort(station, device)
     for index in range(1, 4):
@@ -163,7 +123,7 @@ def test_a_command_that_may_have_been_forgotten_is_unknown_and_not_repeated() ->
 
 
 def test_what_an_earlier_program_sent_is_unknown_unless_the_controller_still_remembers_that_time() -> None:
-    station = Station(Machine(sort_seconds=0.0, advance_seconds=0.0, memory=2))
+    station = SortingStation(Machine(sort_seconds=0.0, advance_seconds=0.0, memory=2))
     device = station.device()
     boot_id = device.health().boot_id
     assert device.outcome_of("earlier") is Outcome.UNKNOWN, "who knows when it was sent?"
@@ -178,7 +138,7 @@ def test_what_an_earlier_program_sent_is_unknown_unless_the_controller_still_rem
     "garbage", [{"phase": 22389}, {"flags": 22389}, {"boot": 0}, {"position": -7}, {"phase": 9, "boot": 0}]
 )
 def test_garbage_while_idle_is_gone_with_the_next_reply(garbage: dict[str, int]) -> None:
-    station = Station(garbage=garbage)
+    station = SortingStation(garbage=garbage)
     device = station.device()
     device.advance_to(1, "advance")
     station.garbage = garbage
@@ -189,7 +149,7 @@ def test_garbage_while_idle_is_gone_with_the_next_reply(garbage: dict[str, int])
 
 
 def test_garbage_in_every_reply_is_told_as_garbage() -> None:
-    class Mad(Station):
+    class Mad(SortingStation):
         def take(self, request: Request) -> None:
             super().take(request)
             self.garbage = {"phase": 22389}
@@ -199,7 +159,7 @@ def test_garbage_in_every_reply_is_told_as_garbage() -> None:
 
 
 def test_an_answer_to_somebody_else_is_not_taken_for_ones_own() -> None:
-    station = Station()
+    station = SortingStation()
     device = station.device()
     device.sort(0, "sort")
     station.take(Request(station.controller.sequence + 1, Verb.RECALL, key=7))
@@ -209,7 +169,7 @@ def test_an_answer_to_somebody_else_is_not_taken_for_ones_own() -> None:
 
 
 def test_the_time_of_a_stop_is_on_the_cells_clock() -> None:
-    station = Station()
+    station = SortingStation()
     device = station.device()
     assert device.advance_to(1, "advance") == NOW
     station.time += 5.0
@@ -218,7 +178,7 @@ def test_the_time_of_a_stop_is_on_the_cells_clock() -> None:
 
 @pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_timeout_is_a_number_of_seconds(timeout: float) -> None:
-    station = Station()
+    station = SortingStation()
     with pytest.raises(CommandError, match=rf"\btimeout\b.* {timeout}\b.*\b0\b") as error:
         station.device().sort(0, "sort", timeout=timeout)
     assert error.value.outcome is Outcome.NOT_DONE

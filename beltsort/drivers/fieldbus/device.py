@@ -6,9 +6,20 @@ from collections.abc import Callable
 from beltsort.cell.commands import TIMEOUT, CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import NOWHERE, Health
 from beltsort.drivers.deadline import Deadline, checked_deadline
-from beltsort.drivers.fieldbus.link import RequestBody
-from beltsort.drivers.fieldbus.reconnecting import Connect, ReconnectingLink
-from beltsort.drivers.fieldbus.wire import NEED_HOME, OUTCOMES, Phase, Reason, Reply, Verb, explained, key_of
+from beltsort.drivers.fieldbus.reconnecting import Connect, ReconnectingLink, unanswered
+from beltsort.drivers.fieldbus.wire import (
+    NEED_HOME,
+    OUTCOMES,
+    UNNUMBERED,
+    Phase,
+    Reason,
+    Reply,
+    Request,
+    Verb,
+    boot_id_of,
+    explained,
+    key_of,
+)
 
 COMMAND_POLL = 0.02
 """Interval at which a running command is polled, seconds."""
@@ -36,7 +47,11 @@ class FieldbusDevice:
     """
 
     def __init__(
-        self, connect: Connect, address: str, answer_timeout: float, clock: Callable[[], float]
+        self,
+        connect: Connect[Request, Reply],
+        address: str,
+        answer_timeout: float,
+        clock: Callable[[], float],
     ) -> None:
         self._link = ReconnectingLink(connect, answer_timeout, address)
         self.address = address
@@ -55,11 +70,11 @@ class FieldbusDevice:
 
     def health(self) -> Health:
         """Return the controller's health. Raises `CommandError` if it cannot be reached."""
-        reply = self._ask(RequestBody(Verb.LOOK), Deadline(TIMEOUT), "looking")
+        reply = self._ask(Request(UNNUMBERED, Verb.LOOK), Deadline(TIMEOUT), "looking")
         fault = reply.fault or (Reason.EMERGENCY_STOP if reply.emergency_stop else Reason.NONE)
         return Health(
             ready=reply.ready,
-            boot_id=_boot_id(reply),
+            boot_id=boot_id_of(reply.boot),
             fault="" if reply.ready else explained(fault),
             emergency_stop=reply.emergency_stop,
             needs_home=reply.fault in NEED_HOME,
@@ -67,7 +82,7 @@ class FieldbusDevice:
 
     def stop(self) -> None:
         """Stop every motion."""
-        self._ask(RequestBody(Verb.STOP), Deadline(TIMEOUT), "stopping")
+        self._ask(Request(UNNUMBERED, Verb.STOP), Deadline(TIMEOUT), "stopping")
 
     def home(self, index: int, *, timeout: float = TIMEOUT) -> None:
         """Set the number of the object at the belt end.
@@ -75,24 +90,24 @@ class FieldbusDevice:
         Call this only after an operator has checked it: when the controller was started, or after a fault.
         """
         what = f"homing to object {index}"
-        self._check(self._ask(RequestBody(Verb.HOME, index), checked_deadline(timeout), what), what)
+        self._check(self._ask(Request(UNNUMBERED, Verb.HOME, index), checked_deadline(timeout), what), what)
 
     def advance_to(self, index: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Advance the belt until object `index` is at the belt end; return the time at which it stopped.
 
         The time is in seconds on the cell's clock; the delay of the reply can only make it too late.
         """
-        body = RequestBody(Verb.ADVANCE, index, key_of(command_id))
-        return self._command(body, command_id, f"the advance to object {index}", timeout)
+        request = Request(UNNUMBERED, Verb.ADVANCE, index, key_of(command_id))
+        return self._command(request, command_id, f"the advance to object {index}", timeout)
 
     def sort(self, label: int, command_id: str, *, timeout: float = TIMEOUT) -> None:
         """Put the object at the belt end into bin number `label`."""
-        body = RequestBody(Verb.SORT, label, key_of(command_id))
-        self._command(body, command_id, f"the sort into bin {label}", timeout)
+        request = Request(UNNUMBERED, Verb.SORT, label, key_of(command_id))
+        self._command(request, command_id, f"the sort into bin {label}", timeout)
 
     def position(self) -> int:
         """Return the number of the object at the belt end, or `NOWHERE`."""
-        return self._ask(RequestBody(Verb.LOOK), Deadline(TIMEOUT), "looking").position
+        return self._ask(Request(UNNUMBERED, Verb.LOOK), Deadline(TIMEOUT), "looking").position
 
     def outcome_of(self, command_id: str, boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command.
@@ -101,22 +116,22 @@ class FieldbusDevice:
         that it does not remember, the outcome is `NOT_DONE` if it cannot have forgotten it, else `UNKNOWN`.
         """
         what = f"asking for the outcome of {command_id!r}"
-        recall = RequestBody(Verb.RECALL, key=key_of(command_id))
+        recall = Request(UNNUMBERED, Verb.RECALL, key=key_of(command_id))
         reply = self._ask(recall, Deadline(TIMEOUT), what, Outcome.UNKNOWN)
         if reply.phase is not Phase.FORGOTTEN:
             return OUTCOMES[reply.phase]
         if command_id in self._sent:
             never_arrived = self._sent[command_id] == (reply.boot, reply.forgotten)
         else:
-            never_arrived = (_boot_id(reply), reply.forgotten) == (boot_id, 0)
+            never_arrived = (boot_id_of(reply.boot), reply.forgotten) == (boot_id, 0)
         return Outcome.NOT_DONE if never_arrived else Outcome.UNKNOWN
 
-    def _command(self, body: RequestBody, command_id: str, what: str, timeout: float) -> float:
+    def _command(self, request: Request, command_id: str, what: str, timeout: float) -> float:
         """Send a command and wait for its end; return the time of its end, seconds on the cell's clock."""
-        deadline, recall = checked_deadline(timeout), RequestBody(Verb.RECALL, key=body.key)
+        deadline, recall = checked_deadline(timeout), Request(UNNUMBERED, Verb.RECALL, key=request.key)
         lost = Outcome.UNKNOWN if command_id in self._sent else Outcome.NOT_DONE
         self._check_repeatable(command_id, self._ask(recall, deadline, what, lost), what)
-        reply = self._send_command(body, deadline, what)
+        reply = self._send_command(request, deadline, what)
         while reply.phase is Phase.RUNNING:
             if deadline.left() < LAST_POLL:
                 raise CommandError(
@@ -159,28 +174,20 @@ class FieldbusDevice:
         )
 
     def _ask(
-        self, body: RequestBody, deadline: Deadline, what: str, lost: Outcome = Outcome.NOT_DONE
+        self, request: Request, deadline: Deadline, what: str, lost: Outcome = Outcome.NOT_DONE
     ) -> Reply:
         """Send a request that may be repeated; `lost` is the outcome of the error if there is no reply."""
         try:
-            return self._link.send_repeatable(body, deadline)
+            return self._link.send_repeatable(request, deadline)
         except Exception as failure:  # any exception of the fieldbus library
-            raise CommandError(
-                f"{what}: {self._name} cannot be asked ({type(failure).__name__}: {failure}); check that it "
-                "runs, its address and certificates",
-                lost,
-            ) from failure
+            raise unanswered(what, self._name, failure, lost) from failure
 
-    def _send_command(self, body: RequestBody, deadline: Deadline, what: str) -> Reply:
+    def _send_command(self, request: Request, deadline: Deadline, what: str) -> Reply:
         """Send a command, which must not be repeated."""
         try:
-            return self._link.send(body, deadline)
+            return self._link.send(request, deadline)
         except Exception as failure:  # any exception of the fieldbus library; the command may have arrived
             raise CommandError(
                 f"{what} was sent, then: {type(failure).__name__}: {failure}; ask for its outcome",
                 Outcome.UNKNOWN,
             ) from failure
-
-
-def _boot_id(reply: Reply) -> str:
-    return f"{reply.boot:08x}"

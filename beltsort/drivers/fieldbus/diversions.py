@@ -3,11 +3,19 @@
 `docs/fieldbus.md`, "A belt that never stops", specifies the rules and the numbers.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import Self
+
+from beltsort.drivers.fieldbus.link import MissingPartError
+from beltsort.drivers.fieldbus.wire import MAX_BINS, GarbageError, check_limits
 
 VERSION = 1
-"""Version of this part of the protocol."""
+"""Version of this part of the protocol, with which every reply of a controller begins that has it."""
+
+MOVING, EMERGENCY_STOP_PRESSED = 1, 2
+"""Flags of a reply: the belt moves; the emergency stop is pressed."""
 
 QUEUE = 64
 """Number of queued diversions that a controller must be able to hold."""
@@ -99,6 +107,10 @@ class DiversionRequest:
     bin: int = 0
     boot: int = 0
 
+    def numbered(self, sequence: int) -> Self:
+        """Return the same request with a sequence number."""
+        return replace(self, sequence=sequence)
+
 
 @dataclass(frozen=True)
 class DiversionReply:
@@ -141,3 +153,69 @@ class DiversionReply:
     queued: int
     forgotten: int
     bins: tuple[int, ...]
+
+
+def checked_diversion(
+    *,
+    version: int,
+    sequence: int,
+    verb: int,
+    key: int,
+    phase: int,
+    reason: int,
+    boot: int,
+    position: int,
+    stamp: int,
+    flags: int,
+    queued: int,
+    forgotten: int,
+    bins: Sequence[int],
+) -> DiversionReply:
+    """Return a reply after validating its values.
+
+    Parameters
+    ----------
+    version
+        Version of the protocol.
+    flags
+        Bitwise or of `MOVING` and `EMERGENCY_STOP_PRESSED`.
+
+    Raises
+    ------
+    MissingPartError
+        If the version is 0: the controller has no diversions.
+    GarbageError
+        If a value is out of its range.
+    """
+    if version == 0:
+        raise MissingPartError("the version of its diversions is 0")
+    most = 2**63 - 1
+    limits = {
+        "version": (version, VERSION, VERSION),
+        "phase": (phase, 0, len(DiversionPhase) - 1),
+        "boot id": (boot, 1, most),
+        "position": (position, -most, most),
+        "stamp": (stamp, 0, most),
+        "flags": (flags, 0, MOVING | EMERGENCY_STOP_PRESSED),
+        "number of bins": (len(bins), 0, MAX_BINS),
+        "queued": (queued, 0, most),
+        "forgotten": (forgotten, 0, most),
+    }
+    check_limits(limits, sequence)
+    if reason not in set(DiversionReason):
+        raise GarbageError("reason", reason, f"one of {[int(known) for known in DiversionReason]}", sequence)
+    return DiversionReply(
+        sequence,
+        verb,
+        key,
+        DiversionPhase(phase),
+        DiversionReason(reason),
+        boot,
+        position,
+        stamp,
+        bool(flags & MOVING),
+        bool(flags & EMERGENCY_STOP_PRESSED),
+        queued,
+        forgotten,
+        tuple(bins),
+    )

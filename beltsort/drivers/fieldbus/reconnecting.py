@@ -5,16 +5,15 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from threading import Lock
-from typing import TypeAlias
+from typing import Generic, TypeAlias
 
-from beltsort.cell.commands import within
+from beltsort.cell.commands import CommandError, Outcome, within
 from beltsort.drivers.deadline import Deadline
-from beltsort.drivers.fieldbus.link import Conversation, Link, RequestBody
-from beltsort.drivers.fieldbus.wire import Reply
+from beltsort.drivers.fieldbus.link import Conversation, Link, ReplyT, RequestT
 
 log = logging.getLogger(__name__)
 
-Connect: TypeAlias = Callable[[float], Link]
+Connect: TypeAlias = Callable[[float], Link[RequestT, ReplyT]]
 """Opens a connection; the argument is the timeout of each call of the fieldbus library, seconds."""
 
 
@@ -25,7 +24,7 @@ LAST_ATTEMPT = 1e-3
 """Timeout of what is tried at the deadline, seconds, so that it may still succeed."""
 
 
-class ReconnectingLink:
+class ReconnectingLink(Generic[RequestT, ReplyT]):
     """Sends requests over one connection at a time. Thread-safe.
 
     A connection that failed or timed out is closed; the next request opens a new one.
@@ -40,21 +39,23 @@ class ReconnectingLink:
         Name of the other end in the log.
     """
 
-    def __init__(self, connect: Connect, answer_timeout: float, name: str = "the controller") -> None:
+    def __init__(
+        self, connect: Connect[RequestT, ReplyT], answer_timeout: float, name: str = "the controller"
+    ) -> None:
         self._connect = connect
         self._answer_timeout, self._name = answer_timeout, name
         self._lock = Lock()
-        self._conversation: Conversation | None = None
+        self._conversation: Conversation[RequestT, ReplyT] | None = None
         self._sent: int | None = None
 
-    def send_repeatable(self, body: RequestBody, deadline: Deadline) -> Reply:
+    def send_repeatable(self, request: RequestT, deadline: Deadline) -> ReplyT:
         """Send a request that may be repeated; if an open connection fails, retry over a new one."""
         if self._conversation is not None:
             with suppress(Exception):  # any exception; the new connection raises its own
-                return self.send(body, deadline)
-        return self.send(body, deadline)
+                return self.send(request, deadline)
+        return self.send(request, deadline)
 
-    def send(self, body: RequestBody, deadline: Deadline) -> Reply:
+    def send(self, request: RequestT, deadline: Deadline) -> ReplyT:
         """Send a request once, over the open connection or a new one; raises the library's exceptions."""
         if not self._lock.acquire(timeout=_left(deadline)):
             raise TimeoutError(
@@ -67,7 +68,7 @@ class ReconnectingLink:
                 log.info("connected to %s", self._name)
             conversation = self._conversation
             seconds = min(self._answer_timeout, _left(deadline))
-            return within(seconds, "the answer", lambda: conversation.ask(body, seconds))
+            return within(seconds, "the answer", lambda: conversation.ask(request, seconds))
         except BaseException as failure:
             if self._conversation is not None:
                 log.warning("lost the connection to %s (%r); the next request opens one", self._name, failure)
@@ -81,11 +82,11 @@ class ReconnectingLink:
         with self._lock:
             self._close_connection()
 
-    def _connected(self, seconds: float) -> Conversation:
+    def _connected(self, seconds: float) -> Conversation[RequestT, ReplyT]:
         """Open a connection; one that is established after the timeout is closed."""
         end = time.monotonic() + seconds
 
-        def connect() -> Conversation:
+        def connect() -> Conversation[RequestT, ReplyT]:
             link = self._connect(seconds)
             try:
                 conversation = Conversation(link, self._sent)
@@ -103,6 +104,27 @@ class ReconnectingLink:
             self._sent = self._conversation.sequence
             self._conversation.close()
             self._conversation = None
+
+
+def unanswered(what: str, name: str, failure: Exception, outcome: Outcome) -> CommandError:
+    """Return the error of a request to which there is no reply.
+
+    Parameters
+    ----------
+    what
+        What was asked for.
+    name
+        Name of the controller.
+    failure
+        Why there is no reply.
+    outcome
+        What is known about the command.
+    """
+    return CommandError(
+        f"{what}: {name} cannot be asked ({type(failure).__name__}: {failure}); check that it runs, its "
+        "address and certificates",
+        outcome,
+    )
 
 
 def _left(deadline: Deadline) -> float:

@@ -3,10 +3,11 @@
 `docs/fieldbus.md` specifies the protocol and its numbers.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from hashlib import blake2b
+from typing import Self
 
 from beltsort.cell.commands import Outcome
 from beltsort.cell.protocols import NOWHERE
@@ -20,6 +21,9 @@ MAX_BINS = 32
 
 READY, EMERGENCY_STOP = 1, 2
 """Flags of a reply."""
+
+UNNUMBERED = 0
+"""Sequence number of a request that has not been sent yet."""
 
 SEQUENCES = 1 << 16
 """Sequence numbers are counted modulo this."""
@@ -133,6 +137,10 @@ class Request:
     target: int = 0
     key: int = 0
 
+    def numbered(self, sequence: int) -> Self:
+        """Return the same request with a sequence number."""
+        return replace(self, sequence=sequence)
+
 
 @dataclass(frozen=True)
 class Reply:
@@ -239,9 +247,7 @@ def checked(
         "remembered": (remembered, 0, 2**63 - 1),
         "forgotten": (forgotten, 0, 2**63 - 1),
     }
-    for field, (value, least, most) in limits.items():
-        if not least <= value <= most:
-            raise GarbageError(field, value, f"{least} to {most}", sequence)
+    check_limits(limits, sequence)
     return Reply(
         sequence,
         verb,
@@ -260,6 +266,26 @@ def checked(
     )
 
 
+def check_limits(limits: Mapping[str, tuple[int, int, int]], sequence: int) -> None:
+    """Check values of a reply.
+
+    Parameters
+    ----------
+    limits
+        For each field its value, the least and the most that it may be.
+    sequence
+        Sequence of the reply.
+
+    Raises
+    ------
+    GarbageError
+        For the first that is out of its range.
+    """
+    for field, (value, least, most) in limits.items():
+        if not least <= value <= most:
+            raise GarbageError(field, value, f"{least} to {most}", sequence)
+
+
 def key_of(command_id: str) -> int:
     """Return the key of a command id, a hash from 1 to 2^63 - 1.
 
@@ -274,6 +300,17 @@ def key_of(command_id: str) -> int:
     """
     digest = blake2b(command_id.encode(), digest_size=8).digest()
     return max(1, int.from_bytes(digest) >> 1)
+
+
+def boot_id_of(boot: int) -> str:
+    """Return the boot id of a device whose controller has a number for it.
+
+    Examples
+    --------
+    >>> boot_id_of(0xC0FFEE)
+    '00c0ffee'
+    """
+    return f"{boot:08x}"
 
 
 def following(sequence: int) -> int:
