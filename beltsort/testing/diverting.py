@@ -51,6 +51,7 @@ class DivertingMachine:
 class Diversion:
     """A diversion and its state."""
 
+    key: int
     object: int
     coordinate: int
     bin: int
@@ -69,6 +70,13 @@ class DivertingController:
         Boot id, above 0; no earlier start may have had the same.
     clock
         A monotonic clock, seconds.
+    ended
+        Called with each diversion that has ended, before any reply says so.
+
+    Attributes
+    ----------
+    sequence
+        Sequence of the last request that was answered.
 
     Examples
     --------
@@ -78,12 +86,20 @@ class DivertingController:
     'QUEUED'
     """
 
-    def __init__(self, machine: DivertingMachine, boot: int, clock: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        machine: DivertingMachine,
+        boot: int,
+        clock: Callable[[], float],
+        ended: Callable[[Diversion], None] = lambda _diversion: None,
+    ) -> None:
         self._machine = machine
         self._boot = boot
         self._clock = clock
+        self._ended = ended
         self.sequence = 0
         self._memory: dict[int, Diversion] = {}
+        self._queue: list[Diversion] = []
         self._forgotten = 0
         self._bins = [0] * len(machine.diverters)
         self._emergency_stop = False
@@ -112,10 +128,18 @@ class DivertingController:
             stamp=round(1e6 * self._now),
             moving=self._moving,
             emergency_stop=self._emergency_stop,
-            queued=len(self._queued()),
+            queued=len(self._queue),
             forgotten=self._forgotten,
             bins=tuple(self._bins),
         )
+
+    def look(self) -> DiversionReply:
+        """Return the state as a reply to no request."""
+        return self.answer(DiversionRequest(self.sequence, DiversionVerb.LOOK))
+
+    def run(self) -> None:
+        """Carry out what is due. To be called often; requests and buttons do so too."""
+        self._move()
 
     def start(self) -> None:
         """Start the belt, as an operator does after a stop; nothing moves while the stop is pressed."""
@@ -173,15 +197,17 @@ class DivertingController:
             return DiversionPhase.NOT_DONE, refusal
         late = self._position > request.coordinate + self._machine.diverters[request.bin] - self._machine.lead
         phase = DiversionPhase.TOO_LATE if late else DiversionPhase.QUEUED
-        self._memory[request.key] = Diversion(*order, phase)
-        self._forget()
+        entry = self._memory[request.key] = Diversion(request.key, *order, phase)
+        if late:
+            self._end(entry, phase)
+        else:
+            self._queue.append(entry)
         return phase, DiversionReason.NONE
 
     def _refusal(self, request: DiversionRequest) -> DiversionReason:
         """Return the first reason to refuse a diversion, in the order of docs/fieldbus.md, or `NONE`."""
         exists = 0 <= request.bin < len(self._bins)
-        queued = self._queued()
-        awaited = sum(entry.bin == request.bin for entry in queued)
+        awaited = sum(entry.bin == request.bin for entry in self._queue)
         conditions = {
             DiversionReason.OTHER_COMMAND: request.key == 0,
             DiversionReason.OTHER_BOOT: request.boot != self._boot,
@@ -193,12 +219,9 @@ class DivertingController:
                 for entry in self._memory.values()
             ),
             DiversionReason.BIN_FULL: exists and self._bins[request.bin] + awaited >= self._machine.capacity,
-            DiversionReason.QUEUE_FULL: len(queued) >= self._machine.queue,
+            DiversionReason.QUEUE_FULL: len(self._queue) >= self._machine.queue,
         }
         return next((reason for reason, holds in conditions.items() if holds), DiversionReason.NONE)
-
-    def _queued(self) -> list[Diversion]:
-        return [entry for entry in self._memory.values() if entry.phase is DiversionPhase.QUEUED]
 
     def _move(self) -> None:
         """Bring the belt's position up to now."""
@@ -210,18 +233,23 @@ class DivertingController:
 
     def _carry_out(self) -> None:
         """Divert the objects that have come by their diverters."""
-        for entry in self._queued():
+        for entry in list(self._queue):
             if self._position < entry.coordinate + self._machine.diverters[entry.bin]:
                 continue
-            full = self._bins[entry.bin] >= self._machine.capacity
-            if self._emergency_stop or full:
-                entry.phase = DiversionPhase.NOT_DONE
-                entry.reason = (
-                    DiversionReason.EMERGENCY_STOP if self._emergency_stop else DiversionReason.BIN_FULL
-                )
+            self._queue.remove(entry)
+            if self._emergency_stop:
+                self._end(entry, DiversionPhase.NOT_DONE, DiversionReason.EMERGENCY_STOP)
+            elif self._bins[entry.bin] >= self._machine.capacity:
+                self._end(entry, DiversionPhase.NOT_DONE, DiversionReason.BIN_FULL)
             else:
-                entry.phase = DiversionPhase.DONE
                 self._bins[entry.bin] += 1
+                self._end(entry, DiversionPhase.DONE)
+
+    def _end(
+        self, entry: Diversion, phase: DiversionPhase, reason: DiversionReason = DiversionReason.NONE
+    ) -> None:
+        entry.phase, entry.reason = phase, reason
+        self._ended(entry)
         self._forget()
 
     def _forget(self) -> None:

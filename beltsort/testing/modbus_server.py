@@ -6,17 +6,13 @@ with standard input.
 
 import ssl
 from argparse import Namespace
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, Generic
 
-from beltsort.drivers.fieldbus.wire import Reply, Request
-from beltsort.drivers.modbus.registers import (
-    REPLY_AT,
-    REPLY_COUNT,
-    REQUEST_AT,
-    REQUEST_COUNT,
-    decode_request,
-    encode_reply,
-)
+from beltsort.drivers.fieldbus.link import ReplyT, RequestT
+from beltsort.drivers.modbus.diversion_registers import DIVERSION_REGISTERS
+from beltsort.drivers.modbus.registers import REGISTERS, RegisterLayout
 from beltsort.drivers.modbus.tls import context
 from beltsort.testing.serving import Panel, free_port, parser, run, serve
 from beltsort.util.extras import extra
@@ -32,44 +28,61 @@ with extra("modbus", program=__name__ == "__main__"):
 ANY_UNIT = 0
 
 
-class Registers:
-    """The registers of the protocol. A request must be written in one write of all its registers."""
+class Registers(Generic[RequestT, ReplyT]):
+    """The registers of a part of the protocol; a request must be written in one write of all of its own."""
 
-    def __init__(self, reply: Reply) -> None:
-        self._request = [0] * REQUEST_COUNT
-        self._reply = encode_reply(reply)
+    def __init__(self, layout: RegisterLayout[RequestT, ReplyT], reply: ReplyT) -> None:
+        self._layout = layout
+        self._request = [0] * layout.request_count
+        self._reply = layout.encode_reply(reply)
 
-    async def request(self) -> Request:
+    async def request(self) -> RequestT:
         """Return the last request that a client wrote."""
-        return decode_request(self._request)
+        return self._layout.decode_request(self._request)
 
-    async def publish(self, reply: Reply) -> None:
+    async def publish(self, reply: ReplyT) -> None:
         """Publish a reply to clients."""
-        self._reply = encode_reply(reply)
+        self._reply = self._layout.encode_reply(reply)
 
-    def device(self) -> SimDevice:
-        """Return the registers as a pymodbus device."""
-        request = SimData(REQUEST_AT, count=REQUEST_COUNT, datatype=DataType.REGISTERS)
-        reply = SimData(REPLY_AT, count=REPLY_COUNT, datatype=DataType.REGISTERS)
-        return SimDevice(ANY_UNIT, [request, reply], action=self._access)
+    def data(self) -> list[SimData]:
+        """Return the registers for a pymodbus device."""
+        layout = self._layout
+        blocks = ((layout.request_at, layout.request_count), (layout.reply_at, layout.reply_count))
+        return [SimData(at, count=count, datatype=DataType.REGISTERS) for at, count in blocks]
 
-    async def _access(
-        self,
+    def show(self, start: int, registers: list[int]) -> None:
+        """Write the reply into registers, the first of which has the address `start`."""
+        at = self._layout.reply_at - start
+        registers[at : at + self._layout.reply_count] = self._reply
+
+    def take(self, address: int, words: list[int]) -> bool:
+        """Keep what a client writes; return whether it is a complete request."""
+        if (address, len(words)) != (self._layout.request_at, self._layout.request_count):
+            return False
+        self._request = words
+        return True
+
+
+def device_of(parts: Sequence[Registers[Any, Any]]) -> SimDevice:
+    """Return the registers of all parts as a pymodbus device."""
+
+    async def access(
         _function: int,
         start: int,
         address: int,
-        count: int,
+        _count: int,
         registers: list[int],
         written: list[int] | list[bool] | None,
     ) -> ExcCodes | None:
         """Allow clients to read all registers and to write complete requests only."""
         if written is None:
-            registers[REPLY_AT - start : REPLY_AT - start + REPLY_COUNT] = self._reply
+            for part in parts:
+                part.show(start, registers)
             return None
-        if (address, count) != (REQUEST_AT, REQUEST_COUNT):
-            return ExcCodes.ILLEGAL_ADDRESS
-        self._request = [int(word) for word in written]
-        return None
+        words = [int(word) for word in written]
+        return None if any(part.take(address, words) for part in parts) else ExcCodes.ILLEGAL_ADDRESS
+
+    return SimDevice(ANY_UNIT, [block for part in parts for block in part.data()], action=access)
 
 
 def build(arguments: Namespace, device: SimDevice, port: int) -> ModbusTcpServer:
@@ -85,11 +98,15 @@ def build(arguments: Namespace, device: SimDevice, port: int) -> ModbusTcpServer
 async def main(arguments: Namespace) -> None:
     """Serve until standard input ends."""
     panel = Panel(arguments)
-    registers = Registers(panel.shown())
+    registers = Registers(REGISTERS, panel.shown())
+    diversions = None
+    if panel.diverting is not None:
+        diversions = Registers(DIVERSION_REGISTERS, panel.diverting.look())
     port = free_port(arguments)
-    server = build(arguments, registers.device(), port)
+    parts: list[Registers[Any, Any]] = [registers] if diversions is None else [registers, diversions]
+    server = build(arguments, device_of(parts), port)
     await server.serve_forever(background=True)
-    await serve(registers, panel, {"host": arguments.host, "port": port})
+    await serve(panel, {"host": arguments.host, "port": port}, registers, diversions)
 
 
 if __name__ == "__main__":

@@ -6,20 +6,14 @@ ends with standard input.
 
 from argparse import Namespace
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic
 
+from beltsort.drivers.fieldbus.diversions import DiversionRequest, DiversionVerb
+from beltsort.drivers.fieldbus.link import ReplyT, RequestT
 from beltsort.drivers.fieldbus.security import check_loopback
-from beltsort.drivers.fieldbus.wire import Reply, Request, Verb
-from beltsort.drivers.opcua.nodes import (
-    FOLDER,
-    NAMESPACE,
-    REPLY,
-    REQUEST,
-    decode_request,
-    encode_reply,
-    encode_request,
-    node_id,
-)
+from beltsort.drivers.fieldbus.wire import Request, Verb
+from beltsort.drivers.opcua.diversion_nodes import DIVERSION_NODES
+from beltsort.drivers.opcua.nodes import FOLDER, NAMESPACE, NODES, NodeLayout, node_id
 from beltsort.testing.serving import Panel, free_port, parser, run, serve
 from beltsort.util.extras import extra
 
@@ -60,20 +54,21 @@ class TrustedPeers(UserManager):
         return User(role=UserRole.User, name="client")
 
 
-class Nodes:
-    """The nodes of the protocol on a server."""
+class Nodes(Generic[RequestT, ReplyT]):
+    """The nodes of a part of the protocol on a server."""
 
-    def __init__(self, request: Node, reply: list[Node]) -> None:
+    def __init__(self, layout: NodeLayout[RequestT, ReplyT], request: Node, reply: list[Node]) -> None:
+        self._layout = layout
         self._request = request
         self._reply = reply
 
-    async def request(self) -> Request | None:
+    async def request(self) -> RequestT | None:
         """Return the last request that a client wrote, or None if it is not a valid one."""
-        return decode_request(await self._request.read_value())
+        return self._layout.decode_request(await self._request.read_value())
 
-    async def publish(self, reply: Reply) -> None:
+    async def publish(self, reply: ReplyT) -> None:
         """Publish a reply to clients; the node with the sequence is written last."""
-        for node, value in reversed(list(zip(self._reply, encode_reply(reply), strict=True))):
+        for node, value in reversed(list(zip(self._reply, self._layout.encode_reply(reply), strict=True))):
             await node.write_value(value, _type_of(value))
 
 
@@ -81,18 +76,26 @@ def _type_of(value: Any) -> ua.VariantType:
     return ua.VariantType.Boolean if isinstance(value, bool) else ua.VariantType.Int64
 
 
-async def build(server: Server, reply: Reply) -> Nodes:
-    """Create the nodes on a server."""
+async def folder_on(server: Server) -> Node:
+    """Create the folder of the nodes on a server."""
     index = await server.register_namespace(NAMESPACE)
-    folder = await server.nodes.objects.add_object(f"ns={index};s={FOLDER}", FOLDER)
+    folder: Node = await server.nodes.objects.add_object(f"ns={index};s={FOLDER}", FOLDER)
+    return folder
+
+
+async def build(
+    folder: Node, layout: NodeLayout[RequestT, ReplyT], request: RequestT, reply: ReplyT
+) -> Nodes[RequestT, ReplyT]:
+    """Create the nodes of a part of the protocol, with their first values."""
 
     async def variable(name: str, value: Any) -> Node:
+        index = folder.nodeid.NamespaceIndex
         return await folder.add_variable(node_id(index, name), name, value, _type_of(value))
 
-    request = await variable(REQUEST, encode_request(Request(reply.sequence, Verb.LOOK)))
-    await request.set_writable()
-    values = zip(REPLY, encode_reply(reply), strict=True)
-    return Nodes(request, [await variable(name, value) for name, value in values])
+    asked = await variable(layout.request, layout.encode_request(request))
+    await asked.set_writable()
+    values = zip(layout.reply, layout.encode_reply(reply), strict=True)
+    return Nodes(layout, asked, [await variable(name, value) for name, value in values])
 
 
 async def secured(own: Identity) -> Server:
@@ -122,9 +125,15 @@ async def main(arguments: Namespace) -> None:
     endpoint = f"opc.tcp://{arguments.host}:{free_port(arguments)}/beltsort"
     server.set_endpoint(endpoint)
     panel = Panel(arguments)
-    nodes = await build(server, panel.shown())
+    folder, shown = await folder_on(server), panel.shown()
+    nodes = await build(folder, NODES, Request(shown.sequence, Verb.LOOK), shown)
+    diversions = None
+    if panel.diverting is not None:
+        belt = panel.diverting.look()
+        first = DiversionRequest(belt.sequence, DiversionVerb.LOOK)
+        diversions = await build(folder, DIVERSION_NODES, first, belt)
     async with server:
-        await serve(nodes, panel, {"endpoint": endpoint})
+        await serve(panel, {"endpoint": endpoint}, nodes, diversions)
 
 
 if __name__ == "__main__":

@@ -9,11 +9,15 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Coroutine
 from threading import Thread
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias, TypeVar
 
-from beltsort.drivers.fieldbus.wire import COMMANDS, Reply, Request, Verb
+from beltsort.drivers.fieldbus.diversions import DiversionReply, DiversionRequest, DiversionVerb
+from beltsort.drivers.fieldbus.link import Message, NumberedRequest, Read, ReplyT, RequestT, Written
+from beltsort.drivers.fieldbus.wire import COMMANDS, Reply, Request, Verb, boot_id_of
 from beltsort.errors import CellError
 from beltsort.testing.controller import AdvanceFault, Controller, Machine
+from beltsort.testing.diverting import DivertingController
+from beltsort.testing.diverting_options import add_diverting_options, diverting_controller
 
 CYCLE = 0.002
 """Interval at which requests are polled, seconds."""
@@ -22,14 +26,36 @@ SLOW = 4.0
 """Seconds by which the button `slow` delays the next command."""
 
 
-class Image(Protocol):
+ACTS = (*COMMANDS, DiversionVerb.DIVERT)
+"""Verbs of which the button `lose` loses the acknowledgement."""
+
+
+Asked = TypeVar("Asked", bound=NumberedRequest, covariant=True)
+Said = TypeVar("Said", bound=Message, contravariant=True)
+
+
+class Image(Protocol[Asked, Said]):
     """The process image: memory that client and controller share over a fieldbus."""
 
-    async def request(self) -> Request | None:
+    async def request(self) -> Asked | None:
         """Return the last request that a client wrote, or None if it is not a valid one."""
 
-    async def publish(self, reply: Reply) -> None:
+    async def publish(self, reply: Said) -> None:
         """Publish a reply to clients atomically."""
+
+
+class Controls(Protocol[Written, Read]):
+    """A reference controller."""
+
+    def is_new(self, request: Written) -> bool:
+        """Return whether a request must be executed: late and repeated ones must not."""
+
+    def answer(self, request: Written) -> Read:
+        """Execute a request, which must be new, and return the reply."""
+
+
+DiversionImage: TypeAlias = Image[DiversionRequest, DiversionReply]
+"""The process image of diversions."""
 
 
 def parser(program: str, what: str) -> ArgumentParser:
@@ -52,6 +78,7 @@ def parser(program: str, what: str) -> ArgumentParser:
     arguments.add_argument(
         "--speed", type=float, default=1.0, help="divides all durations (default: %(default)s)"
     )
+    add_diverting_options(arguments)
     return arguments
 
 
@@ -74,6 +101,8 @@ class Panel:
     ----------
     boot
         Boot id, drawn at random.
+    diverting
+        The controller of a belt that never stops, or None.
     """
 
     def __init__(self, arguments: Namespace) -> None:
@@ -87,18 +116,21 @@ class Panel:
         self._controller = Controller(machine, self.boot, time.monotonic)
         if arguments.home is not None:
             self._controller.home(arguments.home)
+        self.diverting = diverting_controller(arguments, self.boot)
         self._lose_next = False
         self._buttons: dict[str, Callable[[], object]] = {
-            "press": self._controller.press,
-            "release": self._controller.release,
+            "press": lambda: self._all(lambda controller: controller.press()),
+            "release": lambda: self._all(lambda controller: controller.release()),
             "stick": lambda: self._controller.inject(AdvanceFault.STUCK),
             "overshoot": lambda: self._controller.inject(AdvanceFault.OVERSHOT),
             "slow": lambda: self._controller.delay(SLOW),
-            "fill": self._controller.fill,
-            "empty": self._controller.empty,
+            "fill": lambda: self._all(lambda controller: controller.fill()),
+            "empty": lambda: self._all(lambda controller: controller.empty()),
             "lose": self._lose,
             "look": lambda: None,
         }
+        if self.diverting is not None:
+            self._buttons["start"] = self.diverting.start
 
     def push(self, button: str) -> dict[str, object]:
         """Push a button; return the state that the panel then shows."""
@@ -106,36 +138,67 @@ class Panel:
             return {"error": f"button is {button!r}, expected one of {', '.join(self._buttons)}"}
         self._buttons[button]()
         reply = self.shown()
-        return {"button": button, "position": reply.position, "bins": reply.bins, "ready": reply.ready}
+        state = {"button": button, "position": reply.position, "bins": reply.bins, "ready": reply.ready}
+        if self.diverting is None:
+            return state
+        belt = self.diverting.look()
+        return {**state, "travel": belt.position, "queued": belt.queued, "diverted": belt.bins}
 
     def shown(self) -> Reply:
         """Return the controller's state as a reply to no request."""
         return self._controller.answer(Request(self._controller.sequence, Verb.LOOK))
 
-    async def cycle(self, image: Image) -> None:
+    async def cycle(self, image: Image[Request, Reply]) -> None:
         """Answer requests until cancelled."""
         await image.publish(self.shown())
         while True:
-            request = await image.request()
-            if request is not None and self._controller.is_new(request):
-                reply = self._controller.answer(request)
-                if self._lose_next and request.verb in COMMANDS:
-                    self._lose_next = False
-                else:
-                    await image.publish(reply)
+            await self._answer(self._controller, image)
             await asyncio.sleep(CYCLE)
+
+    async def run_belt(self, image: DiversionImage) -> None:
+        """Let the belt that never stops run, and answer requests about diversions, until cancelled."""
+        assert self.diverting is not None
+        await image.publish(self.diverting.look())
+        while True:
+            self.diverting.run()
+            await self._answer(self.diverting, image)
+            await asyncio.sleep(CYCLE)
+
+    async def _answer(self, controller: Controls[RequestT, ReplyT], image: Image[RequestT, ReplyT]) -> None:
+        """Answer a request if there is a new one."""
+        request = await image.request()
+        if request is None or not controller.is_new(request):
+            return
+        reply = controller.answer(request)
+        if self._lose_next and request.verb in ACTS:
+            self._lose_next = False
+        else:
+            await image.publish(reply)
+
+    def _all(self, push: Callable[[Controller | DivertingController], None]) -> None:
+        """Push a button that both controllers have."""
+        push(self._controller)
+        if self.diverting is not None:
+            push(self.diverting)
 
     def _lose(self) -> None:
         """Execute the next command without acknowledging it."""
         self._lose_next = True
 
 
-async def serve(image: Image, panel: Panel, announcement: dict[str, object]) -> None:
+async def serve(
+    panel: Panel,
+    announcement: dict[str, object],
+    image: Image[Request, Reply],
+    diversions: DiversionImage | None,
+) -> None:
     """Announce the server on standard output and answer requests until standard input ends.
 
     Each line of standard input is a button of the panel.
     """
-    cycle = asyncio.create_task(panel.cycle(image))
+    cycles = [asyncio.create_task(panel.cycle(image))]
+    if diversions is not None:
+        cycles.append(asyncio.create_task(panel.run_belt(diversions)))
     loop, ended = asyncio.get_running_loop(), asyncio.Event()
 
     def push(button: str) -> None:
@@ -146,12 +209,13 @@ async def serve(image: Image, panel: Panel, announcement: dict[str, object]) -> 
             loop.call_soon_threadsafe(push, line.strip())
         loop.call_soon_threadsafe(ended.set)
 
-    _print_json({**announcement, "boot_id": f"{panel.boot:08x}"})
+    _print_json({**announcement, "boot_id": boot_id_of(panel.boot)})
     Thread(target=read_panel, daemon=True).start()
     until = asyncio.create_task(ended.wait())
-    await asyncio.wait([cycle, until], return_when=asyncio.FIRST_COMPLETED)
-    if cycle.done():
-        cycle.result()
+    await asyncio.wait([*cycles, until], return_when=asyncio.FIRST_COMPLETED)
+    for cycle in cycles:
+        if cycle.done():
+            cycle.result()
 
 
 def run(main: Coroutine[Any, Any, None]) -> None:

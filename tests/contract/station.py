@@ -2,19 +2,10 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection
-from typing import ClassVar, Generic, Protocol
+from typing import ClassVar, Generic
 
-from beltsort.drivers.fieldbus.link import Read, ReplyT, RequestT, Written
-
-
-class Controls(Protocol[Written, Read]):
-    """A reference controller."""
-
-    sequence: int
-
-    def is_new(self, request: Written) -> bool: ...
-
-    def answer(self, request: Written) -> Read: ...
+from beltsort.drivers.fieldbus.link import ReplyT, RequestT
+from beltsort.testing.serving import Controls
 
 
 class Station(ABC, Generic[RequestT, ReplyT]):

@@ -44,10 +44,7 @@ class DivertingStation(Station[DiversionRequest, DiversionReply]):
         self.controller: DivertingController = DivertingController(
             self.machine, self.boot, clock=lambda: 500.0 + self.time
         )
-        self.reply = self.look()
-
-    def look(self) -> DiversionReply:
-        return self.controller.answer(DiversionRequest(self.controller.sequence, DiversionVerb.LOOK))
+        self.reply = self.controller.look()
 
     def fresh(self) -> None:
         self.time += self.delay
@@ -95,7 +92,7 @@ def test_a_diversion_is_queued_and_carried_out() -> None:
     station.time = 1500.0
     assert station.state(device, "first") == DiversionStatus(Diversion.DONE, station.boot_id)
     assert station.divert(device, "first", 2, label=1).state is Diversion.DONE
-    assert station.look().bins == (0, 1, 0)
+    assert station.controller.look().bins == (0, 1, 0)
 
 
 def test_a_diversion_that_is_late_after_the_question_never_acts() -> None:
@@ -105,7 +102,7 @@ def test_a_diversion_that_is_late_after_the_question_never_acts() -> None:
     status = station.state(device, command_id)
     assert (status.state, status.retry) == (Diversion.NOT_DONE, True)
     station.deliver()
-    assert station.look().queued == 0
+    assert station.controller.look().queued == 0
     assert station.divert(device, command_id, 1).state is Diversion.QUEUED
 
 
@@ -116,7 +113,7 @@ def test_a_diversion_that_is_late_before_the_question_is_queued_once() -> None:
     station.deliver()
     assert station.state(device, command_id).state is Diversion.QUEUED
     assert station.divert(device, command_id, 1).state is Diversion.QUEUED
-    assert station.look().queued == 1
+    assert station.controller.look().queued == 1
 
 
 def test_one_that_was_certainly_not_sent_is_not_done_unless_it_was_sent_before() -> None:
@@ -164,7 +161,7 @@ def test_after_a_restart_nothing_is_known_and_nothing_repeated() -> None:
             status = station.divert(asked, "queued", 1, boot_id=before)
             assert (status.state, status.boot_id) == (Diversion.UNKNOWN, station.boot_id)
             assert "restart" in status.reason
-    assert station.look().queued == 0
+    assert station.controller.look().queued == 0
 
 
 def test_what_an_earlier_program_sent_is_unknown_if_it_may_have_been_forgotten() -> None:

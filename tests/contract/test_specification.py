@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from beltsort.drivers.fieldbus.wire import EXPLANATIONS, Phase, Reason, Verb
+from beltsort.drivers.opcua.diversion_nodes import DIVERSION_NODES
 from beltsort.drivers.opcua.nodes import REPLY, REQUEST
 
 PAGE = (Path(__file__).parents[2] / "docs" / "fieldbus.md").read_text()
@@ -23,7 +24,7 @@ def test_the_page_has_the_numbers_of_the_code(kind: type[IntEnum]) -> None:
 
 
 def test_the_page_has_every_node() -> None:
-    for name in (REQUEST, *REPLY):
+    for name in (REQUEST, *REPLY, DIVERSION_NODES.request, *DIVERSION_NODES.reply):
         assert f"`{name}`" in PAGE
 
 

@@ -3,7 +3,7 @@
 `python -m beltsort.testing.modbus_server` is a reference server; `docs/fieldbus.md` specifies its registers.
 """
 
-from beltsort.drivers.modbus.device import make
+from beltsort.drivers.modbus.device import make, make_diverter
 from beltsort.drivers.modbus.options import ModbusOptions
 
-__all__ = ["ModbusOptions", "make"]
+__all__ = ["ModbusOptions", "make", "make_diverter"]

@@ -2,17 +2,18 @@
 
 import socket
 import ssl
+from typing import Generic
 
-from beltsort.drivers.fieldbus.link import LinkError
-from beltsort.drivers.fieldbus.wire import Reply, Request
+from beltsort.drivers.fieldbus.link import LinkError, MissingPartError, ReplyT, RequestT
 from beltsort.drivers.modbus.options import ModbusOptions
-from beltsort.drivers.modbus.registers import REPLY_AT, REPLY_COUNT, REQUEST_AT, decode_reply, encode_request
+from beltsort.drivers.modbus.registers import RegisterLayout
 from beltsort.drivers.modbus.tls import context
 from beltsort.util.extras import extra
 
 with extra("modbus"):
     from pymodbus.client import ModbusTcpClient
-    from pymodbus.pdu import ModbusPDU
+    from pymodbus.constants import ExcCodes
+    from pymodbus.pdu import ExceptionResponse, ModbusPDU
 
 
 class OneConnection(ModbusTcpClient):
@@ -32,31 +33,39 @@ class OneConnection(ModbusTcpClient):
         return self.socket is not None
 
 
-class ModbusLink:
+class ModbusLink(Generic[RequestT, ReplyT]):
     """A connection.
 
     Parameters
     ----------
     options
         Connection to the server.
+    layout
+        The registers.
     seconds
         Timeout of each call.
     """
 
-    def __init__(self, options: ModbusOptions, seconds: float) -> None:
+    def __init__(
+        self, options: ModbusOptions, layout: RegisterLayout[RequestT, ReplyT], seconds: float
+    ) -> None:
+        self._layout = layout
         self._unit = options.unit
         self._connection = _connected(options, seconds)
         self._client = OneConnection(self._connection, seconds)
 
-    def write(self, request: Request) -> None:
+    def write(self, request: RequestT) -> None:
         """Write a request."""
-        words = encode_request(request)
-        _checked(self._client.write_registers(REQUEST_AT, words, device_id=self._unit))
+        words = self._layout.encode_request(request)
+        _checked(self._client.write_registers(self._layout.request_at, words, device_id=self._unit))
 
-    def read(self) -> Reply:
+    def read(self) -> ReplyT:
         """Read the latest reply."""
-        answer = self._client.read_holding_registers(REPLY_AT, count=REPLY_COUNT, device_id=self._unit)
-        return decode_reply(_checked(answer).registers)
+        at, count = self._layout.reply_at, self._layout.reply_count
+        answer = self._client.read_holding_registers(at, count=count, device_id=self._unit)
+        if isinstance(answer, ExceptionResponse) and answer.exception_code == ExcCodes.ILLEGAL_ADDRESS:
+            raise MissingPartError(f"it has no registers {at} to {at + count - 1}")
+        return self._layout.decode_reply(_checked(answer).registers)
 
     def close(self) -> None:
         """Close the connection."""

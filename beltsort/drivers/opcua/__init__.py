@@ -5,10 +5,10 @@
 
 import logging
 
-from beltsort.drivers.opcua.device import make
+from beltsort.drivers.opcua.device import make, make_diverter
 from beltsort.drivers.opcua.options import OpcuaOptions
 
-__all__ = ["OpcuaOptions", "make"]
+__all__ = ["OpcuaOptions", "make", "make_diverter"]
 
 # Failures are reported by `CommandError`; asyncua's log is for applications that configure logging.
 logging.getLogger("asyncua").addHandler(logging.NullHandler())

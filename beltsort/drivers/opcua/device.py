@@ -1,10 +1,15 @@
-"""Belt and sorter over OPC UA."""
+"""Belt and sorter, or a belt that never stops, over OPC UA."""
 
 import time
 from collections.abc import Callable
 from functools import partial
 
 from beltsort.drivers.fieldbus.device import FieldbusDevice
+from beltsort.drivers.fieldbus.diverting_device import DivertingDevice
+from beltsort.drivers.fieldbus.link import ReplyT, RequestT
+from beltsort.drivers.fieldbus.reconnecting import Connect
+from beltsort.drivers.opcua.diversion_nodes import DIVERSION_NODES
+from beltsort.drivers.opcua.nodes import NODES, NodeLayout
 from beltsort.drivers.opcua.options import OpcuaOptions
 from beltsort.util.extras import extra
 
@@ -24,7 +29,18 @@ def make(options: OpcuaOptions, clock: Callable[[], float] = time.monotonic) -> 
     MissingExtraError
         If asyncua is not installed.
     """
+    connect = _connecting(options, NODES)
+    return FieldbusDevice(connect, options.endpoint, options.answer_timeout, clock)
+
+
+def make_diverter(options: OpcuaOptions, clock: Callable[[], float] = time.monotonic) -> DivertingDevice:
+    """Return the belt that never stops behind an OPC UA server; parameters and errors as of `make`."""
+    connect = _connecting(options, DIVERSION_NODES)
+    return DivertingDevice(connect, options.endpoint, options.answer_timeout, clock)
+
+
+def _connecting(options: OpcuaOptions, layout: NodeLayout[RequestT, ReplyT]) -> Connect[RequestT, ReplyT]:
     with extra("opcua"):
         from beltsort.drivers.opcua.link import OpcuaLink  # imported here, not within a timeout
 
-    return FieldbusDevice(partial(OpcuaLink, options), options.endpoint, options.answer_timeout, clock)
+    return partial(OpcuaLink, options, layout)

@@ -5,11 +5,11 @@ from collections.abc import Coroutine
 from contextlib import suppress
 from pathlib import Path
 from threading import Thread
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
+from beltsort.drivers.fieldbus.link import MissingPartError, ReplyT, RequestT
 from beltsort.drivers.fieldbus.pki import application_uri
-from beltsort.drivers.fieldbus.wire import Reply, Request
-from beltsort.drivers.opcua.nodes import NAMESPACE, REPLY, REQUEST, decode_reply, encode_request, node_id
+from beltsort.drivers.opcua.nodes import NAMESPACE, NodeLayout, node_id
 from beltsort.drivers.opcua.options import OpcuaOptions
 from beltsort.drivers.opcua.trust import trust_store
 from beltsort.util.extras import extra
@@ -19,6 +19,7 @@ with extra("opcua"):
     from asyncua.client.client import Client
     from asyncua.crypto import security_policies
     from asyncua.crypto.validator import CertificateValidator, CertificateValidatorOptions
+    from asyncua.ua.uaerrors import BadNodeIdUnknown
 
 Result = TypeVar("Result")
 
@@ -26,19 +27,21 @@ SESSION_TIMEOUT = 60_000
 """Time after which the server closes the session of a lost client, milliseconds."""
 
 
-class OpcuaLink:
+class OpcuaLink(Generic[RequestT, ReplyT]):
     """A session with an event loop and a thread of its own, so that it can be abandoned if it hangs.
 
     Parameters
     ----------
     options
         Connection to the server.
+    layout
+        The nodes.
     seconds
         Timeout of each call.
     """
 
-    def __init__(self, options: OpcuaOptions, seconds: float) -> None:
-        self._seconds = seconds
+    def __init__(self, options: OpcuaOptions, layout: NodeLayout[RequestT, ReplyT], seconds: float) -> None:
+        self._layout, self._seconds = layout, seconds
         self._loop, self._over = asyncio.new_event_loop(), asyncio.Event()
         self._client = Client(options.endpoint, timeout=seconds)
         self._client.session_timeout = SESSION_TIMEOUT
@@ -49,14 +52,19 @@ class OpcuaLink:
             self.close()
             raise
 
-    def write(self, request: Request) -> None:
+    def write(self, request: RequestT) -> None:
         """Write a request, without a time stamp, which many controllers reject."""
-        value = ua.DataValue(ua.Variant(encode_request(request), ua.VariantType.Int64))
+        value = ua.DataValue(ua.Variant(self._layout.encode_request(request), ua.VariantType.Int64))
         self._run(self._request.write_value(value))
 
-    def read(self) -> Reply:
+    def read(self) -> ReplyT:
         """Read the latest reply."""
-        return decode_reply(self._run(self._client.read_values(self._reply)))
+        read = self._run(self._client.read_attributes(self._reply))
+        for name, value in zip(self._layout.reply, read, strict=True):
+            if value.StatusCode is not None and value.StatusCode.value == BadNodeIdUnknown.code:
+                raise MissingPartError(f"it has no node {name}")
+        values = [None if value.Value is None else value.Value.Value for value in read]
+        return self._layout.decode_reply(values)
 
     def close(self) -> None:
         """End the session in the background; its thread ends with it."""
@@ -77,8 +85,8 @@ class OpcuaLink:
             await self._secure(options)
         await self._client.connect()
         index = await self._client.get_namespace_index(NAMESPACE)
-        self._request = self._client.get_node(node_id(index, REQUEST))
-        self._reply = [self._client.get_node(node_id(index, name)) for name in REPLY]
+        self._request = self._client.get_node(node_id(index, self._layout.request))
+        self._reply = [self._client.get_node(node_id(index, name)) for name in self._layout.reply]
 
     async def _secure(self, options: OpcuaOptions) -> None:
         self._client.application_uri = application_uri(Path(options.certificate))

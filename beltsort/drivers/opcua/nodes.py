@@ -1,7 +1,10 @@
 """Encoding of requests and replies in nodes, in the order in which they are read and written."""
 
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic
 
+from beltsort.drivers.fieldbus.link import ReplyT, RequestT
 from beltsort.drivers.fieldbus.wire import (
     EMERGENCY_STOP,
     READY,
@@ -10,6 +13,31 @@ from beltsort.drivers.fieldbus.wire import (
     Request,
     checked,
 )
+
+
+@dataclass(frozen=True)
+class NodeLayout(Generic[RequestT, ReplyT]):
+    """The nodes of requests and replies, and how these are encoded.
+
+    Attributes
+    ----------
+    request
+        Name of the node of requests.
+    reply
+        Names of the nodes of a reply; the first contains the sequence, and is written last.
+    encode_request, decode_request
+        Functions from requests to the node's value, and back; None for what is no request.
+    encode_reply, decode_reply
+        Functions from replies to the nodes' values, and back.
+    """
+
+    request: str
+    reply: tuple[str, ...]
+    encode_request: Callable[[RequestT], list[int]]
+    decode_request: Callable[[Any], RequestT | None]
+    encode_reply: Callable[[ReplyT], list[Any]]
+    decode_reply: Callable[[list[Any]], ReplyT]
+
 
 NAMESPACE = "urn:beltsort:controller"
 FOLDER = "Beltsort"
@@ -64,3 +92,7 @@ def decode_reply(values: list[Any]) -> Reply:
         fault=fault,
         bins=bins,
     )
+
+
+NODES = NodeLayout(REQUEST, REPLY, encode_request, decode_request, encode_reply, decode_reply)
+"""The nodes of belt and sorter."""
