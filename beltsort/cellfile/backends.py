@@ -21,6 +21,12 @@ OPCUA = backend_of(opcua.OpcuaOptions, lambda options, cell: opcua.make(resolved
 MODBUS = backend_of(
     modbus.ModbusOptions, lambda options, cell: modbus.make(resolved(options, cell)), shared=True
 )
+OPCUA_DIVERTER = backend_of(
+    opcua.OpcuaOptions, lambda options, cell: opcua.make_diverter(resolved(options, cell))
+)
+MODBUS_DIVERTER = backend_of(
+    modbus.ModbusOptions, lambda options, cell: modbus.make_diverter(resolved(options, cell))
+)
 ROS1_CAMERA = backend_of(ros1.Ros1CameraOptions, lambda options, _cell: ros1.Ros1Camera(options))
 ROS1_BELT = backend_of(ros1.Ros1BeltOptions, lambda options, _cell: ros1.Ros1Belt(options))
 ROS1_SORTER = backend_of(ros1.Ros1SorterOptions, lambda options, _cell: ros1.Ros1Sorter(options))

@@ -24,12 +24,23 @@ if TYPE_CHECKING:
 Options = TypeVar("Options")
 
 ROLES = ("arm", "camera", "belt", "sorter")
+"""The devices of a cell whose belt stops."""
+
+DIVERTER = "diverter"
+"""The role of a belt that never stops, with its diverters, in place of belt and sorter."""
+
 GROUP = "beltsort."
 
 BUILT_IN: dict[str, dict[str, str]] = {
     "simulated": dict.fromkeys(ROLES, "beltsort.cellfile.simulated:BACKEND"),
-    "opcua": dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:OPCUA"),
-    "modbus": dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:MODBUS"),
+    "opcua": {
+        **dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:OPCUA"),
+        DIVERTER: "beltsort.cellfile.backends:OPCUA_DIVERTER",
+    },
+    "modbus": {
+        **dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:MODBUS"),
+        DIVERTER: "beltsort.cellfile.backends:MODBUS_DIVERTER",
+    },
     "ros1": {role: f"beltsort.cellfile.backends:ROS1_{role.upper()}" for role in ROLES},
     "ros2": {role: f"beltsort.cellfile.backends:ROS2_{role.upper()}" for role in ROLES},
     "replay": dict.fromkeys(("arm", "camera", "belt"), "beltsort.cellfile.backends:REPLAY"),
@@ -46,7 +57,7 @@ class Backend:
     ----------
     make
         Function of the options in the cell file and the cell that returns a device: an `Arm`, a
-        `DepthCamera`, a `Belt`, a `Sorter`, or an object that is several of them.
+        `DepthCamera`, a `Belt`, a `Sorter`, a `DivertingBelt`, or an object that is several of them.
     shared
         Whether one device serves all roles that name this back-end with the same options.
     harmless
@@ -54,8 +65,8 @@ class Backend:
     absent
         Whether the device is a placeholder: with an absent arm, the camera does not move.
     numbered
-        Whether a sorter gets the numbers of the cell file's `bins`; otherwise it gets the bin's index among
-        the model's, the reject bin last.
+        Whether a sorter or diverter gets the numbers of the cell file's `bins`; otherwise it gets the bin's
+        index among the model's, the reject bin last.
     """
 
     make: Callable[[Mapping[str, object], "CellDescription"], Any]
@@ -98,7 +109,7 @@ def backend(role: str, name: str) -> Backend:
     Parameters
     ----------
     role
-        `arm`, `camera`, `belt` or `sorter`.
+        One of `ROLES`, or `DIVERTER`.
     name
         Name in the cell file.
 

@@ -11,7 +11,7 @@ from beltsort.cell.protocols import Health
 from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile import registry
 from beltsort.cellfile.problems import CellFileError
-from beltsort.cellfile.registry import BUILT_IN, ROLES, Backend, backend
+from beltsort.cellfile.registry import BUILT_IN, DIVERTER, ROLES, Backend, backend
 from beltsort.geometry import transform
 from tests.cellfile.cell_files import NOTHING_SIMULATED, composed
 
@@ -54,7 +54,7 @@ def acme(monkeypatch: pytest.MonkeyPatch) -> Press:
     ("name", "role"), [(name, role) for name, roles in BUILT_IN.items() for role in roles]
 )
 def test_every_built_in_back_end_can_be_loaded(name: str, role: str) -> None:
-    assert role in ROLES
+    assert role in (*ROLES, DIVERTER)
     assert isinstance(backend(role, name), Backend)
 
 
