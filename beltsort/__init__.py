@@ -21,8 +21,12 @@ from beltsort._core import (
     LookAhead,
     ModelError,
     Move,
+    MovingBelief,
+    MovingBelt,
+    MovingEvaluation,
     MovingPlan,
     MovingPlanner,
+    MovingThreshold,
     OneObject,
     Plan,
     PolicyError,
@@ -32,11 +36,12 @@ from beltsort._core import (
     Wait,
     __version__,
     evaluate,
+    evaluate_moving,
     solve,
 )
 from beltsort.planning.compare import compare
 from beltsort.planning.comparison import Comparison
-from beltsort.planning.policy import Policy
+from beltsort.planning.policy import MovingPolicy, Policy
 
 # Records go nowhere unless an application configures logging; `beltsort run --log` does.
 getLogger(__name__).addHandler(NullHandler())
@@ -55,8 +60,13 @@ __all__ = [
     "LookAhead",
     "ModelError",
     "Move",
+    "MovingBelief",
+    "MovingBelt",
+    "MovingEvaluation",
     "MovingPlan",
     "MovingPlanner",
+    "MovingPolicy",
+    "MovingThreshold",
     "OneObject",
     "Plan",
     "Policy",
@@ -68,6 +78,7 @@ __all__ = [
     "__version__",
     "compare",
     "evaluate",
+    "evaluate_moving",
     "models",
     "solve",
 ]

@@ -9,8 +9,13 @@ from beltsort._stubs.despot import Despot as Despot
 from beltsort._stubs.evaluation import Evaluation as Evaluation
 from beltsort._stubs.evaluation import evaluate as evaluate
 from beltsort._stubs.model import SortingModel as SortingModel
+from beltsort._stubs.moving import MovingBelief as MovingBelief
+from beltsort._stubs.moving import MovingBelt as MovingBelt
+from beltsort._stubs.moving import MovingEvaluation as MovingEvaluation
 from beltsort._stubs.moving import MovingPlan as MovingPlan
 from beltsort._stubs.moving import MovingPlanner as MovingPlanner
+from beltsort._stubs.moving import MovingThreshold as MovingThreshold
+from beltsort._stubs.moving import evaluate_moving as evaluate_moving
 from beltsort._stubs.perception import clusters as clusters
 from beltsort._stubs.perception import lzf_decompress as lzf_decompress
 from beltsort._stubs.perception import vfh as vfh
@@ -54,8 +59,12 @@ __all__ = [
     "LookAhead",
     "ModelError",
     "Move",
+    "MovingBelief",
+    "MovingBelt",
+    "MovingEvaluation",
     "MovingPlan",
     "MovingPlanner",
+    "MovingThreshold",
     "OneObject",
     "Plan",
     "PolicyError",
@@ -66,6 +75,7 @@ __all__ = [
     "__version__",
     "clusters",
     "evaluate",
+    "evaluate_moving",
     "lzf_decompress",
     "solve",
     "vfh",

@@ -71,7 +71,7 @@ class Decide:
 
 @final
 class Wait:
-    """Let a tick pass on a belt that never stops.
+    """Let a tick pass on a moving belt.
 
     Examples
     --------
@@ -88,7 +88,7 @@ class Wait:
 
 @final
 class DecideAt:
-    """Sort the object at a place of a belt that never stops into a bin.
+    """Sort the object at a place of a moving belt into a bin.
 
     Parameters
     ----------

@@ -150,25 +150,41 @@ def sorting_statistics(model: SortingModel, evaluation: Evaluation | Counts) -> 
     counts = evaluation.confusion if isinstance(evaluation, Evaluation) else evaluation[None]
     confusion = counts.astype(np.float64)  # (batches, B, L)
     right = right_bins(model)
-    in_bin = confusion.sum(axis=2)  # (batches, B)
-    arrived = (confusion * right).sum(axis=2)  # (batches, B), of the objects that belong there
-    belonging = confusion.sum(axis=1) @ right.T  # (batches, B)
-    bins = tuple(
-        BinStatistics(
-            name,
-            objects=_mean(in_bin[:, b]),
-            purity=_ratio(arrived[:, b], in_bin[:, b]) if right[b].any() else Estimate(math.nan, math.nan),
-            recovery=_ratio(arrived[:, b], belonging[:, b]),
-        )
-        for b, name in enumerate(model.bins)
-    )
     return SortingStatistics(
         classes=tuple(model.classes),
-        right=_mean(arrived.sum(axis=1)),
-        reward=_mean((confusion * model.reward).sum(axis=(1, 2))),
+        right=mean_of((confusion * right).sum(axis=(1, 2))),
+        reward=mean_of((confusion * model.reward).sum(axis=(1, 2))),
         confusion=confusion.mean(axis=0),
         confusion_errors=_standard_errors(confusion),
-        bins=bins,
+        bins=bin_statistics(model, confusion, confusion.sum(axis=1)),
+    )
+
+
+def bin_statistics(model: SortingModel, confusion: Floats, arrived_of: Floats) -> tuple[BinStatistics, ...]:
+    """Return what every bin received.
+
+    Parameters
+    ----------
+    model
+        Names the bins and says what belongs where.
+    confusion
+        Objects by bin and class in each batch, float64 of shape (batches, B, L).
+    arrived_of
+        Objects of each class in each batch, those that came to no bin included, float64 of shape
+        (batches, L).
+    """
+    right = right_bins(model)
+    in_bin = confusion.sum(axis=2)  # (batches, B)
+    arrived = (confusion * right).sum(axis=2)  # (batches, B), of the objects that belong there
+    belonging = arrived_of @ right.T  # (batches, B)
+    return tuple(
+        BinStatistics(
+            name,
+            objects=mean_of(in_bin[:, b]),
+            purity=ratio_of(arrived[:, b], in_bin[:, b]) if right[b].any() else Estimate(math.nan, math.nan),
+            recovery=ratio_of(arrived[:, b], belonging[:, b]),
+        )
+        for b, name in enumerate(model.bins)
     )
 
 
@@ -186,12 +202,13 @@ def bins_table(statistics: Mapping[str, SortingStatistics]) -> str:
     return text_table([["", *statistics], *rows])
 
 
-def _mean(sample: Floats) -> Estimate:
+def mean_of(sample: Floats) -> Estimate:
+    """Estimate a mean from a sample of shape (batches,)."""
     return Estimate(float(sample.mean()), float(_standard_errors(sample)))
 
 
-def _ratio(numerator: Floats, denominator: Floats) -> Estimate:
-    """Estimate E[numerator] / E[denominator] from pairs, one per batch."""
+def ratio_of(numerator: Floats, denominator: Floats) -> Estimate:
+    """Estimate E[numerator] / E[denominator] from pairs, one per batch; NaN if the denominators are 0."""
     total = float(denominator.sum())
     if total == 0.0:
         return Estimate(math.nan, math.nan)

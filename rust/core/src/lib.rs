@@ -37,9 +37,10 @@ pub use model::{
     SortingModel, Tables,
 };
 pub use moving::{
-    DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_SCENARIOS, DEFAULT_OPTIMISM, LookRule, MovingAction, MovingBelief,
-    MovingBelt, MovingConfig, MovingOutcome, MovingPlan, MovingPolicy, MovingRuns, MovingSearch,
-    MovingSituation, MovingThreshold, MovingTimes, evaluate_moving,
+    BudgetedMovingSearch, DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_OBJECTS, DEFAULT_MOVING_SCENARIOS,
+    DEFAULT_OPTIMISM, DEFAULT_RUNS, Drive, LookRule, MovingAction, MovingBelief, MovingBelt, MovingConfig,
+    MovingOutcome, MovingPlan, MovingPolicy, MovingRuns, MovingSearch, MovingSpec, MovingThreshold,
+    evaluate_moving,
 };
 pub use offline::{DEFAULT_SOLVE_SECONDS, Solution};
 pub use one_object::OneObjectPolicy;

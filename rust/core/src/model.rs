@@ -17,6 +17,7 @@ pub use likelihood::Look;
 pub use spec::{
     DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, ScalarOrMatrix, Smoothing, Tables,
 };
+pub(crate) use spec::{MOVING_BELT, read, write};
 pub(crate) use step::{Step, shift};
 pub(crate) use validate::distribution;
 

@@ -33,7 +33,7 @@ use crate::errors::PolicyError;
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Move {
     /// Index of the viewpoint.
-    viewpoint: usize,
+    pub viewpoint: usize,
 }
 
 #[pymethods]

@@ -24,6 +24,10 @@ use crate::policies::{PyInformationGain, PyThreshold};
 use crate::solution::PySolution;
 use crate::user_policy::UserPolicy;
 
+/// What a policy may be.
+const EXPECTED: &str = "Despot, LookAhead, Threshold, InformationGain, OneObject, or an object whose act(belief, viewpoint) \
+                        returns beltsort.Move or beltsort.Decide";
+
 /// Simulate batches of the sorting POMDP.
 ///
 /// Randoms are indexed by (batch, object, look): every policy meets the same objects, and the n-th look at an
@@ -148,7 +152,7 @@ pub fn evaluate(
     } else if let Ok(one) = policy.cast::<PyOneObject>() {
         run(&one.get().policy, pool)?.map_err(to_python)
     } else {
-        let user = UserPolicy::new(policy, model)?;
+        let user = UserPolicy::new(policy, &model.0, EXPECTED)?;
         // A user's policy may keep state: its batches run one after the other.
         run(&user, Some(&thread_pool(1)?))?.map_err(|error| user.raised().unwrap_or_else(|| to_python(error)))
     }?;

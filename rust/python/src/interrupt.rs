@@ -6,22 +6,38 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use beltsort_core::{Action, Belief, Error, Policy, Result, Viewpoint};
+use beltsort_core::{
+    Action, Belief, Error, MovingAction, MovingBelief, MovingPolicy, Policy, Result, Viewpoint,
+};
 use pyo3::prelude::*;
 
 const SIGNAL_POLL: Duration = Duration::from_millis(50);
 
 /// A policy that refuses to go on once `stop` is set.
-pub struct Stoppable<'a> {
-    pub policy: &'a dyn Policy,
+pub struct Stoppable<'a, P: ?Sized> {
+    pub policy: &'a P,
     pub stop: &'a AtomicBool,
 }
 
-impl Policy for Stoppable<'_> {
-    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
+impl<P: ?Sized> Stoppable<'_, P> {
+    fn check(&self) -> Result<()> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(Error::Policy("interrupted".into()));
         }
+        Ok(())
+    }
+}
+
+impl Policy for Stoppable<'_, dyn Policy + '_> {
+    fn act(&self, belief: &Belief, viewpoint: Viewpoint) -> Result<Action> {
+        self.check()?;
+        self.policy.act(belief, viewpoint)
+    }
+}
+
+impl MovingPolicy for Stoppable<'_, dyn MovingPolicy + '_> {
+    fn act(&self, belief: &MovingBelief, viewpoint: Viewpoint) -> Result<MovingAction> {
+        self.check()?;
         self.policy.act(belief, viewpoint)
     }
 }

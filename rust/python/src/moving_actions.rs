@@ -1,13 +1,14 @@
-//! `Wait` and `DecideAt`: what a belt that never stops adds to `Move`.
+//! `Wait` and `DecideAt`: what a moving belt adds to `Move`.
 
-use beltsort_core::{Action, MovingAction};
+use beltsort_core::{Action, Bin, MovingAction, Position, Viewpoint};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::actions;
+use crate::actions::{self, Move};
 use crate::convert::{Whole, index};
+use crate::errors::PolicyError;
 
-/// Let a tick pass on a belt that never stops.
+/// Let a tick pass on a moving belt.
 ///
 /// Examples
 /// --------
@@ -39,7 +40,7 @@ impl Wait {
     }
 }
 
-/// Sort the object at a place of a belt that never stops into a bin.
+/// Sort the object at a place of a moving belt into a bin.
 ///
 /// Parameters
 /// ----------
@@ -97,4 +98,21 @@ pub fn to_python(py: Python<'_>, action: MovingAction) -> PyResult<Py<PyAny>> {
             Ok(DecideAt { position: position.0, label: bin.0 }.into_pyobject(py)?.into_any().unbind())
         }
     }
+}
+
+/// The action behind a Python object.
+pub fn from_python(object: &Bound<'_, PyAny>) -> PyResult<MovingAction> {
+    if let Ok(to) = object.extract::<Move>() {
+        return Ok(MovingAction::Look(Viewpoint(to.viewpoint)));
+    }
+    if object.extract::<Wait>().is_ok() {
+        return Ok(MovingAction::Wait);
+    }
+    if let Ok(DecideAt { position, label }) = object.extract() {
+        return Ok(MovingAction::Decide { position: Position(position), bin: Bin(label) });
+    }
+    Err(PolicyError::new_err(format!(
+        "a policy returned {}; return beltsort.Move(viewpoint), beltsort.Wait() or beltsort.DecideAt(position, label)",
+        object.repr()?
+    )))
 }

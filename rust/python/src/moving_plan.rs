@@ -6,14 +6,14 @@ use pyo3::types::PyDict;
 
 use crate::moving_actions;
 
-/// What a search for a belt that never stops found. Values are expected rewards, discounted per tick.
+/// What a search for a moving belt found. Values are expected rewards, discounted per tick.
 ///
 /// Examples
 /// --------
 /// >>> import beltsort
 /// >>> model = beltsort.SortingModel(["nut", "bolt"], ["front"], [[[[0.8, 0.2], [0.2, 0.8]]]])
-/// >>> planner = beltsort.MovingPlanner(model, ticks_per_place=4, trials=50)
-/// >>> plan = planner.plan(beltsort.Belief(model))
+/// >>> belt = beltsort.MovingBelt(model, ticks_per_place=4)
+/// >>> plan = beltsort.MovingPlanner(belt, trials=50).plan(belt.belief())
 /// >>> plan.lower < plan.values[plan.action] < plan.upper
 /// True
 #[pyclass(frozen, name = "MovingPlan", module = "beltsort")]

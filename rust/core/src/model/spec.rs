@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::error::{Error, Result, model_error};
 use crate::names::nearest;
@@ -144,6 +144,9 @@ const KEYS: [&str; 21] = [
     "note",
 ];
 
+/// The key that a model file has not, and the file of a moving belt has besides those of its model.
+pub(crate) const MOVING_BELT: &str = "moving_belt";
+
 /// Keys that `reward` takes the place of.
 const PAPERS: [&str; 2] = ["r_max", "r_min"];
 
@@ -197,13 +200,29 @@ impl ModelSpec {
     /// # Errors
     /// [`Error::Model`] if the text is not JSON, a key is unknown or missing, or a value has the wrong type.
     pub fn from_json(text: &str) -> Result<Self> {
+        let fields = Self::fields(text)?;
+        if fields.contains_key(MOVING_BELT) {
+            return model_error(format!(
+                "the key {MOVING_BELT} makes this the file of a moving belt; read it with MovingBelt.load, whose model it then is"
+            ));
+        }
+        Self::from_fields(fields)
+    }
+
+    /// The keys of a model file, not checked.
+    pub(crate) fn fields(text: &str) -> Result<Map<String, Value>> {
         let value: Value =
             serde_json::from_str(text).map_err(|e| Error::Model(format!("a model file is JSON: {e}")))?;
-        let Some(fields) = value.as_object() else {
-            return model_error(
+        match value {
+            Value::Object(fields) => Ok(fields),
+            _ => model_error(
                 "a model file holds one JSON object, with the keys classes, viewpoints and p_obs at least",
-            );
-        };
+            ),
+        }
+    }
+
+    /// The model with these keys.
+    pub(crate) fn from_fields(fields: Map<String, Value>) -> Result<Self> {
         if let (Some(_), Some(key)) =
             (fields.get("reward"), PAPERS.iter().find(|key| fields.contains_key(**key)))
         {
@@ -218,7 +237,7 @@ impl ModelSpec {
         }
         let wrong = fields.iter().find_map(|(key, value)| wrong_value(key, value));
         let named = |e| Error::Model(wrong.unwrap_or_else(|| format!("model file: {e}")));
-        serde_json::from_value(value.clone()).map_err(named)
+        serde_json::from_value(Value::Object(fields)).map_err(named)
     }
 
     /// What is wrong with a value at `place` in a key, whose type is not that of the key.
@@ -259,15 +278,21 @@ impl ModelSpec {
     /// # Errors
     /// [`Error::Model`] if a number is not finite, which JSON cannot hold.
     pub fn to_json(&self) -> Result<String> {
-        let error = |e| Error::Model(format!("the model cannot be written as JSON: {e}"));
         if self.reward.is_none() {
-            return serde_json::to_string_pretty(self).map_err(error);
+            return serde_json::to_string_pretty(self).map_err(|e| not_json(&e));
         }
-        let mut value = serde_json::to_value(self).map_err(error)?;
-        if let Some(fields) = value.as_object_mut() {
+        serde_json::to_string_pretty(&self.to_fields()?).map_err(|e| not_json(&e))
+    }
+
+    /// The keys of the model file.
+    pub(crate) fn to_fields(&self) -> Result<Map<String, Value>> {
+        let Value::Object(mut fields) = serde_json::to_value(self).map_err(|e| not_json(&e))? else {
+            return model_error("the model is no JSON object");
+        };
+        if self.reward.is_some() {
             fields.retain(|key, _| !PAPERS.contains(&key.as_str()));
         }
-        serde_json::to_string_pretty(&value).map_err(error)
+        Ok(fields)
     }
 
     /// Read a model file from disk.
@@ -275,10 +300,7 @@ impl ModelSpec {
     /// # Errors
     /// [`Error::Model`] naming the file if it cannot be read or is not a model file.
     pub fn load(path: &Path) -> Result<Self> {
-        let in_file = |reason: String| Error::Model(format!("{}: {reason}", path.display()));
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| in_file(format!("the model file cannot be read: {e}")))?;
-        Self::from_json(&text).map_err(|e| in_file(e.to_string()))
+        read(path, Self::from_json)
     }
 
     /// Write a model file to disk.
@@ -286,9 +308,26 @@ impl ModelSpec {
     /// # Errors
     /// [`Error::Model`] naming the file if it cannot be written.
     pub fn save(&self, path: &Path) -> Result<()> {
-        std::fs::write(path, self.to_json()? + "\n")
-            .map_err(|e| Error::Model(format!("{}: the model file cannot be written: {e}", path.display())))
+        write(path, &self.to_json()?)
     }
+}
+
+/// What a file holds, by its text; errors name the file.
+pub(crate) fn read<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T>) -> Result<T> {
+    let in_file = |reason: String| Error::Model(format!("{}: {reason}", path.display()));
+    let text =
+        std::fs::read_to_string(path).map_err(|e| in_file(format!("the model file cannot be read: {e}")))?;
+    parse(&text).map_err(|e| in_file(e.to_string()))
+}
+
+/// Write a file with this text.
+pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
+    std::fs::write(path, format!("{text}\n"))
+        .map_err(|e| Error::Model(format!("{}: the model file cannot be written: {e}", path.display())))
+}
+
+fn not_json(reason: &serde_json::Error) -> Error {
+    Error::Model(format!("the model cannot be written as JSON: {reason}"))
 }
 
 /// What is wrong with the value of a key, if its type is; the innermost entry is named.

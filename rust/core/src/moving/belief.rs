@@ -1,11 +1,12 @@
-//! What is known of the objects on a belt that never stops, and its clock.
+//! What is known of the objects on a moving belt, and its clock.
 
 use super::belt::MovingBelt;
-use super::planning::State;
-use crate::belief::{condition, evidence};
+use super::state::State;
+use super::timing::Timing;
+use crate::belief::{Belief, condition, evidence};
 use crate::error::{Error, Result, argument_error};
 use crate::index::{Label, Position, Viewpoint};
-use crate::model::Look;
+use crate::model::{Look, SortingModel};
 
 /// The kinds' distribution at each place, which objects are decided, and the ticks since the belt last advanced.
 ///
@@ -30,6 +31,54 @@ impl MovingBelief {
         Self { state }
     }
 
+    /// A belief from its parts: a row per place as for [`Belief::from_rows`], whether each object is decided or missing, the
+    /// ticks since the belt last advanced, and the objects that have not come to a place yet.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for rows that are no distributions, another number of places, or an offset that is too large.
+    pub fn from_parts(
+        belt: &MovingBelt,
+        rows: &[Vec<f64>],
+        decided: Vec<bool>,
+        offset: usize,
+        to_come: Option<usize>,
+    ) -> Result<Self> {
+        let model = belt.model();
+        let rows = Belief::from_rows(model, rows)?;
+        let rows = rows.as_slice().chunks_exact(model.kind_count()).map(<[f64]>::to_vec).collect();
+        let belief = Self { state: State { rows, decided, offset, to_come } };
+        belief.check_fits(belt.timing(), model)?;
+        Ok(belief)
+    }
+
+    /// Refuse to be asked about by a policy of another shape.
+    pub(super) fn check_fits(&self, timing: &Timing, model: &SortingModel) -> Result<()> {
+        let State { rows, decided, offset, .. } = &self.state;
+        let places = timing.places;
+        if rows.len() != places || decided.len() != places {
+            return argument_error(format!(
+                "the belief has {} places and says of {} whether they are decided; the belt has {places} places: give one \
+                 entry for each",
+                rows.len(),
+                decided.len()
+            ));
+        }
+        if rows.iter().any(|row| row.len() != model.kind_count()) {
+            return argument_error(format!(
+                "the belief has other kinds than the model, which has {}; make it of the policy's belt",
+                model.kind_count()
+            ));
+        }
+        if *offset >= timing.ticks_per_place {
+            return argument_error(format!(
+                "offset = {offset}; the belt advances every {} ticks: give 0 to {}",
+                timing.ticks_per_place,
+                timing.ticks_per_place - 1
+            ));
+        }
+        Ok(())
+    }
+
     /// The distribution of the kind at one place, length N.
     #[must_use]
     pub fn position(&self, position: Position) -> &[f64] {
@@ -42,7 +91,7 @@ impl MovingBelief {
         &self.state.decided
     }
 
-    /// Ticks since the belt last advanced.
+    /// Ticks since the belt last advanced; since the last decision if it advances on decisions.
     #[must_use]
     pub fn offset(&self) -> usize {
         self.state.offset
@@ -60,10 +109,11 @@ impl MovingBelief {
         self.state.is_over()
     }
 
-    /// Ticks until the object at a place passes the exit.
+    /// Ticks until the object at a place passes the exit; none if the belt advances on decisions.
     #[must_use]
-    pub fn ticks_left(&self, belt: &MovingBelt, position: Position) -> usize {
-        self.state.ticks_left(belt.timing(), position.0)
+    pub fn ticks_left(&self, belt: &MovingBelt, position: Position) -> Option<usize> {
+        let timing = belt.timing();
+        (!timing.advances_on_decisions()).then(|| self.state.ticks_left(timing, position.0))
     }
 
     /// Bayes' rule for one scan (eq. 7): a label per place, `None` where nothing was seen. Labels of decided objects are
@@ -120,7 +170,8 @@ impl MovingBelief {
         evidence(self.position(position), likelihoods)
     }
 
-    /// Mark the object at a place as decided; it stays where it is.
+    /// Mark the object at a place as decided. It stays where it is, unless the belt advances on decisions: then what is known
+    /// moves on by one place (eq. 8). Let the [ticks of a decision](MovingBelt::decision_ticks) pass afterwards.
     ///
     /// # Errors
     /// [`Error::Argument`] if it is out of reach or decided already. The belief is then unchanged.
@@ -136,7 +187,7 @@ impl MovingBelief {
                 "the object at index {position} of the places is decided already; choose an undecided one"
             ));
         }
-        self.state.decided[position.0] = true;
+        self.state.decide(belt.timing(), belt.model().arrival().as_slice(), position);
         Ok(())
     }
 

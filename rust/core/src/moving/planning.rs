@@ -1,4 +1,4 @@
-//! Planning for a belt that never stops.
+//! Planning for a belt that moves at a constant speed.
 //!
 //! One object with a deadline ([`deadline`]) is the building block: its values under shares of the looks' costs bound the
 //! value of the whole belt from above ([`priced`]), and its plans ([`plans`]), executed for one object after the other, are the
@@ -11,16 +11,11 @@ mod plans;
 mod priced;
 mod search;
 mod serving;
-mod state;
-mod timing;
 
-pub use planner::{MovingSearch, MovingSituation, MovingTimes};
-pub(super) use planner::{check_model, checked};
+pub use planner::{BudgetedMovingSearch, MovingSearch};
 pub use search::{
-    DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_SCENARIOS, DEFAULT_OPTIMISM, MovingAction, MovingConfig, MovingPlan,
+    DEFAULT_MOVING_DEPTH, DEFAULT_MOVING_SCENARIOS, DEFAULT_OPTIMISM, MovingConfig, MovingPlan,
 };
-pub(super) use state::State;
-pub(super) use timing::Timing;
 
 #[cfg(test)]
 mod tests;

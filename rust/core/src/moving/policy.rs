@@ -1,15 +1,15 @@
-//! Policies for a belt that never stops.
+//! Policies for a moving belt.
 
+use super::action::MovingAction;
 use super::belief::MovingBelief;
 use super::belt::MovingBelt;
-use super::planning::MovingAction;
 use crate::belief::information;
 use crate::error::{Result, argument_error};
 use crate::index::{Bin, Position, Viewpoint};
 use crate::model::Look;
 use crate::one_object::dot;
 
-/// Names the next action on a belt that never stops.
+/// Names the next action on a moving belt.
 pub trait MovingPolicy: Sync {
     /// The action to take with the camera at `viewpoint`.
     ///
@@ -30,8 +30,9 @@ pub enum LookRule {
 /// Decide an object once a decision is likely enough to be right, or at its last chance.
 ///
 /// The threshold falls linearly from the entry of the last place to the exit, where it is `low`; thresholds of the optimal
-/// policy fall towards a deadline (Frazier & Yu 2007). At the last chance, when the next look would end after the object has
-/// passed the exit, it is decided if that is worth more than `-missed`.
+/// policy fall towards a deadline (Frazier & Yu 2007). At the last chance, when after the next look and the decisions on the
+/// objects in front of it an object would have passed the exit, the most urgent object that is worth more than `-missed` is
+/// decided. On a belt that advances on decisions no object has a deadline, and the threshold is `high`.
 #[derive(Debug, Clone)]
 pub struct MovingThreshold {
     belt: MovingBelt,
@@ -64,6 +65,9 @@ impl MovingThreshold {
 
     /// The threshold with so many ticks left until the exit.
     fn threshold(&self, ticks_left: usize) -> f64 {
+        if self.belt.timing().advances_on_decisions() {
+            return self.high;
+        }
         let span = self.belt.timing().visible().saturating_sub(1).max(1);
         let share = ticks_left.saturating_sub(1) as f64 / span as f64;
         self.low + (self.high - self.low) * share
@@ -124,8 +128,13 @@ impl MovingPolicy for MovingThreshold {
         }
         let look = self.look(&open, viewpoint);
         let ticks = look.as_ref().map_or(1, |look| look.ticks);
-        if let Some(last) = pending.iter().find(|(_, left, _)| *left <= ticks) {
-            let &(position, left, bin): &(Position, usize, Bin) = last;
+        // Decisions are taken one after the other, the most urgent one first.
+        let too_late = |(before, (_, left, _)): (usize, &(Position, usize, Bin))| {
+            *left <= ticks + before * timing.sort_ticks
+        };
+        if let Some(&(position, left, bin)) =
+            pending.first().filter(|_| pending.iter().enumerate().any(too_late))
+        {
             if timing.in_reach(left) {
                 return Ok(MovingAction::Decide { position, bin });
             }

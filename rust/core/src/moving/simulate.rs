@@ -1,4 +1,4 @@
-//! Runs of a belt that never stops, many at once.
+//! Runs of a moving belt, many at once.
 //!
 //! Randoms are indexed by (run, object, look): every policy meets the same objects, and the n-th look at an object draws
 //! on the same random, whatever happened in between.
@@ -6,15 +6,23 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
+use super::action::MovingAction;
 use super::belief::MovingBelief;
 use super::belt::MovingBelt;
-use super::planning::MovingAction;
 use super::policy::MovingPolicy;
 use crate::error::{Error, Result, argument_error};
 use crate::index::{Bin, Kind, Position, Viewpoint};
 use crate::model::Look;
 use crate::sampling::{Purpose, invert, label, stream};
+
+/// Runs of an evaluation that is given no number of them.
+pub const DEFAULT_RUNS: usize = 100;
+/// Objects of a run, likewise.
+pub const DEFAULT_MOVING_OBJECTS: usize = 50;
+/// Ticks without a decision after which a belt that advances on decisions is given up.
+const MOST_TICKS_BETWEEN: usize = 10_000;
 
 /// Runs, and objects of a run, are fewer than this: together they number a stream of randoms.
 const LIMIT: usize = 1 << 31;
@@ -33,7 +41,7 @@ pub struct MovingRuns {
 }
 
 /// What one run brought.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MovingOutcome {
     /// Ticks until the action ended in which the last object was decided or passed the exit.
     pub ticks: u64,
@@ -117,9 +125,16 @@ impl<'a> Run<'a> {
         this
     }
 
-    /// Run until nothing is left to decide. It ends: all that takes no time is a decision, and each object has one.
+    /// Run until nothing is left to decide. It ends: all that takes no time is a decision, each object has one, and the belt
+    /// moves on.
     fn simulate(mut self, policy: &dyn MovingPolicy) -> Result<MovingOutcome> {
         while !self.belief.is_over() {
+            if self.belt.timing().advances_on_decisions() && self.belief.offset() >= MOST_TICKS_BETWEEN {
+                return Err(Error::Policy(format!(
+                    "the policy decided nothing for {MOST_TICKS_BETWEEN} ticks, and the belt waits for a decision; lower its \
+                     threshold"
+                )));
+            }
             match policy.act(&self.belief, self.viewpoint)? {
                 MovingAction::Wait => self.pass(1),
                 MovingAction::Decide { position, bin } => self.decide(position, bin)?,
@@ -145,7 +160,10 @@ impl<'a> Run<'a> {
         self.outcome.wrong += 1 - right;
         self.outcome.confusion[bin.0 * model.class_count() + model.class_of(kind).0] += 1;
         self.earn(model.reward(bin, kind));
-        self.pass(self.belt.timing().sort_ticks);
+        if self.belt.timing().advances_on_decisions() {
+            self.replace_first();
+        }
+        self.pass(self.belt.decision_ticks());
         Ok(())
     }
 
@@ -181,8 +199,7 @@ impl<'a> Run<'a> {
             self.discount *= model.discount();
             self.outcome.ticks += 1;
             if self.belief.offset() == 0 {
-                let gone = self.objects.remove(0);
-                self.arrive();
+                let gone = self.replace_first();
                 if undecided {
                     let class = model.class_of(gone.kind);
                     self.outcome.missed[class.0] += 1;
@@ -190,6 +207,12 @@ impl<'a> Run<'a> {
                 }
             }
         }
+    }
+
+    /// The object at the exit leaves, and the next one comes to the last place.
+    fn replace_first(&mut self) -> Object {
+        self.arrive();
+        self.objects.remove(0)
     }
 
     /// The next object comes to the last place.

@@ -8,16 +8,14 @@ use crate::index::{Bin, Kind, Label, Position, Viewpoint};
 use crate::model::{Look, SortingModel};
 use crate::testing::{enumerable_models, paper, seeded};
 
+mod stepwise;
+
 const FROM: Viewpoint = Viewpoint(0);
 
-fn times(model: &SortingModel, ticks_per_place: usize, reach: usize) -> MovingTimes {
-    let k = model.viewpoint_count();
-    MovingTimes { ticks_per_place, reach, move_ticks: vec![vec![1; k]; k], scan_ticks: 0, sort_ticks: 0 }
-}
-
 fn belt(model: &SortingModel, ticks_per_place: usize) -> MovingBelt {
-    let missed = vec![10.0; model.class_count()];
-    MovingBelt::new(model, &times(model, ticks_per_place, 1), Some(&missed)).unwrap()
+    let missed = Some(vec![10.0; model.class_count()]);
+    let spec = MovingSpec { missed, ..MovingSpec::new(Drive::Constant { ticks_per_place }) };
+    MovingBelt::new(model.clone(), spec).unwrap()
 }
 
 /// One undecided object and no other: the belief of a belt whose places behind it are empty.
@@ -32,7 +30,7 @@ fn the_belt_advances_on_its_own_and_an_undecided_object_is_missed_when_it_leaves
     let mut belief = MovingBelief::new(&belt, Some(3));
     assert_eq!((belief.offset(), belief.to_come()), (0, Some(1)));
     assert!(belief.advance_time(&belt, 2).abs() < 1e-12);
-    assert_eq!((belief.offset(), belief.ticks_left(&belt, Position(1))), (2, 4));
+    assert_eq!((belief.offset(), belief.ticks_left(&belt, Position(1))), (2, Some(4)));
     let missed = belief.advance_time(&belt, 2);
     assert!((missed - 10.0 * model.discount()).abs() < 1e-12, "{missed}");
     assert_eq!((belief.offset(), belief.to_come()), (1, Some(0)));
@@ -143,6 +141,21 @@ proptest! {
                 .collect()
         };
         prop_assert_eq!(classes(0.5), classes(0.99));
+    }
+}
+
+/// A decision of four ticks on the object in front leaves the one behind no time: it has to be taken before the next look.
+#[test]
+fn the_last_chance_counts_the_decisions_in_front() {
+    let model = paper(5.0);
+    for (sort_ticks, decided) in [(0, false), (4, true)] {
+        let spec =
+            MovingSpec { reach: 2, sort_ticks, ..MovingSpec::new(Drive::Constant { ticks_per_place: 2 }) };
+        let belt = MovingBelt::new(model.clone(), spec).unwrap();
+        let policy = MovingThreshold::new(&belt, 1.0, 1.0, LookRule::MostUrgent).unwrap();
+        let action = policy.act(&MovingBelief::new(&belt, Some(2)), FROM).unwrap();
+        let first = matches!(action, MovingAction::Decide { position: Position(0), .. });
+        assert_eq!(first, decided, "{action:?}");
     }
 }
 

@@ -19,9 +19,9 @@
 
 use rayon::prelude::*;
 
-use super::timing::Timing;
 use crate::index::{Class, Position, Viewpoint};
 use crate::model::SortingModel;
+use crate::moving::timing::Timing;
 use crate::offline::{Combination, Faces, ObjectModel, Rows};
 use crate::one_object::dot;
 

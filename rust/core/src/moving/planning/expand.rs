@@ -1,10 +1,11 @@
 //! Expanding a leaf of the search: its actions, and the children of each.
 
 use super::priced::least;
-use super::search::{MovingAction, Search};
+use super::search::Search;
 use super::serving::Served;
-use super::state::State;
 use crate::index::{Label, Position, Viewpoint};
+use crate::moving::action::MovingAction;
+use crate::moving::state::State;
 use crate::search::{Child, Edge, Node, Place, Values};
 
 pub(super) type MovingNode = Node<MovingAction, State>;
@@ -216,15 +217,5 @@ impl Search<'_> {
                 Seen { place, labels }
             })
             .collect()
-    }
-}
-
-impl MovingAction {
-    /// Where the camera stands after the action.
-    pub(super) fn viewpoint(self, from: Viewpoint) -> Viewpoint {
-        match self {
-            Self::Look(to) => to,
-            _ => from,
-        }
     }
 }

@@ -14,10 +14,10 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::timing::Timing;
 use crate::belief::condition;
 use crate::index::{Bin, Viewpoint};
 use crate::model::{Look, SortingModel};
+use crate::moving::timing::Timing;
 use crate::one_object::{dot, reachable_beliefs};
 
 /// Beliefs at which plans are made.

@@ -28,8 +28,8 @@
 use std::sync::Arc;
 
 use super::deadline::{DeadlineProblem, DeadlineValues};
-use super::state::State;
 use crate::index::Viewpoint;
+use crate::moving::state::State;
 use crate::offline::Combination;
 
 /// Steps in which shares are improved.

@@ -15,12 +15,13 @@ use rand::RngExt;
 use super::deadline::{DeadlineProblem, DeadlineValues};
 use super::priced::PricedBound;
 use super::serving::Serving;
-use super::state::State;
-use super::timing::Timing;
 use crate::config::{Budget, Clock};
 use crate::error::{Result, argument_error};
-use crate::index::{Bin, Position, Viewpoint};
+use crate::index::Viewpoint;
 use crate::model::SortingModel;
+use crate::moving::action::MovingAction;
+use crate::moving::state::State;
+use crate::moving::timing::Timing;
 use crate::sampling::{Purpose, stream};
 use crate::search::{Child, GAP_TOLERANCE, Place, TARGET_GAP, Tree, Values, first_best};
 
@@ -32,22 +33,6 @@ pub const DEFAULT_MOVING_DEPTH: usize = 40;
 const MOST: usize = 10_000;
 /// How far an estimate lies from the default policy's value to the priced bound.
 pub const DEFAULT_OPTIMISM: f64 = 0.5;
-
-/// An action on a belt that never stops.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum MovingAction {
-    /// Move the camera and scan.
-    Look(Viewpoint),
-    /// Let a tick pass.
-    Wait,
-    /// Sort an object in reach.
-    Decide {
-        /// Its place.
-        position: Position,
-        /// Where it goes.
-        bin: Bin,
-    },
-}
 
 /// Settings of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -127,7 +112,7 @@ pub(crate) struct Searching {
 
 impl Searching {
     pub(crate) fn new(
-        model: &SortingModel,
+        model: &Arc<SortingModel>,
         timing: &Timing,
         config: MovingConfig,
         stop: &AtomicBool,
@@ -145,7 +130,7 @@ impl Searching {
             bound: PricedBound::new(problem),
             free,
             randoms: Arc::new((0..config.scenarios as u64).flat_map(drawn).collect()),
-            model: Arc::new(model.clone()),
+            model: Arc::clone(model),
             config,
         })
     }
@@ -177,25 +162,17 @@ impl Searching {
             MovingAction::Look(to) => -model.motion_cost(viewpoint, to),
             MovingAction::Wait => 0.0,
             MovingAction::Decide { position, bin } => {
-                next.decided[position.0] = true;
+                next.decide(timing, model.arrival().as_slice(), position);
                 model.expected_decision_reward(bin, &state.rows[position.0])
             }
         };
-        let missed = next.pass(timing, model, self.ticks(step, viewpoint));
+        let missed = next.pass(timing, model, timing.ticks(step, viewpoint));
         (next, step.viewpoint(viewpoint), earned - missed)
-    }
-
-    fn ticks(&self, step: MovingAction, viewpoint: Viewpoint) -> usize {
-        match step {
-            MovingAction::Look(to) => self.timing().look(viewpoint, to),
-            MovingAction::Wait => 1,
-            MovingAction::Decide { .. } => self.timing().sort_ticks,
-        }
     }
 
     /// Discount of what follows a step.
     pub(super) fn discount(&self, step: MovingAction, viewpoint: Viewpoint) -> f64 {
-        self.model.discount().powi(i32::try_from(self.ticks(step, viewpoint)).unwrap_or(i32::MAX))
+        self.model.discount().powi(i32::try_from(self.timing().ticks(step, viewpoint)).unwrap_or(i32::MAX))
     }
 
     /// The most that an object is worth if looks at it cost nothing and the camera is its own.

@@ -12,10 +12,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::plans::{DeadlinePlan, DeadlinePlans};
-use super::state::State;
-use super::timing::Timing;
 use crate::index::Viewpoint;
 use crate::model::SortingModel;
+use crate::moving::state::State;
+use crate::moving::timing::Timing;
 use crate::one_object::dot;
 
 /// Tables of unseen objects, at most; the last is that of a belt that never ends.

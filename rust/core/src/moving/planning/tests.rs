@@ -7,12 +7,12 @@ use proptest::prelude::*;
 use super::deadline::{DeadlineProblem, Kinds};
 use super::priced::PricedBound;
 use super::serving::Serving;
-use super::state::State;
-use super::timing::Timing;
 use crate::belief::condition;
 use crate::config::NEVER;
 use crate::index::{Class, Position, Viewpoint};
 use crate::model::{Look, SortingModel};
+use crate::moving::state::State;
+use crate::moving::timing::Timing;
 use crate::testing::{enumerable_models, paper, seeded};
 
 /// Where the camera starts.

@@ -5,12 +5,13 @@ use proptest::prelude::*;
 use super::super::tests::{FROM, enumerated, paper_timing, tiny_belts};
 use super::*;
 use crate::config::NEVER;
+use crate::index::{Bin, Position};
 use crate::testing::{paper, seeded};
 
 /// A search that costs little to prepare and to run.
 fn planned(model: &SortingModel, timing: &Timing, state: &State, trials: u64) -> (Searching, MovingPlan) {
     let config = MovingConfig { scenarios: 32, ..MovingConfig::default() };
-    let searching = Searching::new(model, timing, config, &NEVER).unwrap();
+    let searching = Searching::new(&Arc::new(model.clone()), timing, config, &NEVER).unwrap();
     let found = searching.search(state, FROM, Budget::Trials(trials), &NEVER).unwrap();
     (searching, found)
 }
@@ -73,7 +74,7 @@ fn nothing_is_planned_where_nothing_is_left() {
     let timing = paper_timing(&model, 4);
     let mut state = State::unseen(&timing, model.arrival().as_slice());
     (state.decided, state.to_come) = (vec![true; 2], Some(0));
-    let searching = Searching::new(&model, &timing, MovingConfig::default(), &NEVER).unwrap();
+    let searching = Searching::new(&Arc::new(model), &timing, MovingConfig::default(), &NEVER).unwrap();
     let error = searching.search(&state, FROM, Budget::Trials(1), &NEVER).unwrap_err();
     assert!(error.to_string().contains("no object is left"), "{error}");
 }

@@ -1,6 +1,7 @@
-//! What a search knows of a belt that never stops.
+//! What is known of a moving belt.
 
 use super::timing::Timing;
+use crate::index::Position;
 use crate::model::SortingModel;
 
 /// An exact belief, and the clock.
@@ -10,14 +11,14 @@ pub(crate) struct State {
     pub rows: Vec<Vec<f64>>,
     /// Whether the object at each place is decided, or missing.
     pub decided: Vec<bool>,
-    /// Ticks since the belt last advanced, below `ticks_per_place`.
+    /// Ticks since the belt last advanced, below `ticks_per_place`; since the last decision if it advances on decisions.
     pub offset: usize,
     /// Objects that have not come to a place yet; `None` for a belt that never ends.
     pub to_come: Option<usize>,
 }
 
 impl State {
-    /// A belt full of unseen objects that never ends.
+    /// A belt full of unseen objects that has just advanced and never ends.
     pub(crate) fn unseen(timing: &Timing, arrival: &[f64]) -> Self {
         Self {
             rows: vec![arrival.to_vec(); timing.places],
@@ -51,25 +52,39 @@ impl State {
         self.to_come == Some(0) && self.decided.iter().all(|decided| *decided)
     }
 
+    /// Mark the object at a place as decided. It stays where it is, unless the belt advances on decisions: then the place
+    /// behind it comes to the exit. The ticks of the decision have still to pass.
+    pub(crate) fn decide(&mut self, timing: &Timing, arrival: &[f64], position: Position) {
+        self.decided[position.0] = true;
+        if timing.advances_on_decisions() {
+            self.advance(arrival);
+        }
+    }
+
     /// Let time pass. What the objects that pass the exit undecided cost, discounted to now.
     pub(crate) fn pass(&mut self, timing: &Timing, model: &SortingModel, ticks: usize) -> f64 {
         let mut missed = 0.0;
         let mut passed = 0;
         while passed + timing.ticks_per_place - self.offset <= ticks {
             passed += timing.ticks_per_place - self.offset;
-            self.offset = 0;
             if !self.decided[0] {
                 let price = crate::one_object::dot(&self.rows[0], &timing.missed);
                 missed += price * model.discount().powi(i32::try_from(passed).unwrap_or(i32::MAX));
             }
-            self.rows.rotate_left(1);
-            self.decided.rotate_left(1);
-            let last = self.rows.len() - 1;
-            self.rows[last] = model.arrival().as_slice().to_vec();
-            self.decided[last] = self.to_come == Some(0);
-            self.to_come = self.to_come.map(|objects| objects.saturating_sub(1));
+            self.advance(model.arrival().as_slice());
         }
         self.offset += ticks - passed;
         missed
+    }
+
+    /// The belt advances by one place (eq. 8).
+    fn advance(&mut self, arrival: &[f64]) {
+        self.offset = 0;
+        self.rows.rotate_left(1);
+        self.decided.rotate_left(1);
+        let last = self.rows.len() - 1;
+        self.rows[last] = arrival.to_vec();
+        self.decided[last] = self.to_come == Some(0);
+        self.to_come = self.to_come.map(|objects| objects.saturating_sub(1));
     }
 }

@@ -1,19 +1,23 @@
-//! When things happen on a belt that never stops, as one object sees them: in ticks until it passes the exit.
+//! When things happen on a moving belt, as one object sees them: in ticks until it passes the exit.
 //!
 //! With `n >= 1` ticks left an object is at place `(n - 1) / ticks_per_place`, 0 nearest to the exit; with `n = 0` it has
 //! passed the exit. All objects of a belt have the same remainder of `n` by `ticks_per_place`.
 
+use super::action::MovingAction;
 use crate::index::{Position, Viewpoint};
 use crate::model::SortingModel;
 
-/// Durations and places of a belt with a constant speed.
+/// Stands for the ticks between two advances of a belt that advances on decisions alone: more than ever pass.
+pub(crate) const NEVER: usize = usize::MAX >> 12;
+
+/// Durations and places of a moving belt.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Timing {
-    /// Ticks between two advances by one place.
+    /// Ticks between two advances by one place, whatever is decided; [`NEVER`] if the belt advances on decisions.
     pub ticks_per_place: usize,
     /// Places, from the exit, at which an object can be decided.
     pub reach: usize,
-    /// Ticks of a decision, in which the camera does nothing else.
+    /// Ticks of a decision, in which the camera does nothing else; those of the advance if the belt advances on decisions.
     pub sort_ticks: usize,
     /// Price of an undecided object at the exit, per kind.
     pub missed: Vec<f64>,
@@ -29,6 +33,20 @@ impl Timing {
     /// Ticks from entering the last place to the exit.
     pub(crate) fn visible(&self) -> usize {
         self.places * self.ticks_per_place
+    }
+
+    /// Whether the belt advances by one place with each decision, and otherwise stands.
+    pub(crate) fn advances_on_decisions(&self) -> bool {
+        self.ticks_per_place == NEVER
+    }
+
+    /// Ticks of an action.
+    pub(crate) fn ticks(&self, action: MovingAction, from: Viewpoint) -> usize {
+        match action {
+            MovingAction::Look(to) => self.look(from, to),
+            MovingAction::Wait => 1,
+            MovingAction::Decide { .. } => self.sort_ticks,
+        }
     }
 
     /// Ticks of a look.
