@@ -1,0 +1,124 @@
+import random
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from beltsort.cell import Diversion
+from beltsort.sorting.entries import AnyContent
+from beltsort.sorting.holds import HeldError
+from beltsort.sorting.journal import Entry, Journal
+from beltsort.sorting.moving.entries import Fate
+from beltsort.sorting.moving.loop import resume_moving, sort_moving
+from beltsort.sorting.moving.state import MovingState
+from tests.sorting.moving.cells import MovingPlant, Perception
+from tests.sorting.moving.runs import BELT, RULES, check_accounts, entries, planner, plant, resume, sort
+
+
+class Killed(BaseException):
+    """Stands for a kill: nothing that a process would do afterwards is done."""
+
+
+class DyingJournal(Journal):
+    """A journal whose process is killed when it has written so many entries."""
+
+    lives: int
+
+    def append(self, content: AnyContent) -> Entry:
+        if self.lives == 0:
+            raise Killed
+        self.lives -= 1
+        return super().append(content)
+
+
+def dying(cell: MovingPlant, folder: Path, lives: int, *, resumed: bool = False) -> None:
+    """Sort until the process is killed; the belt moves on."""
+    stop, cell.belt.stop = cell.belt.stop, lambda: None  # type: ignore[method-assign] # a killed process stops nothing
+    try:
+        with DyingJournal(folder / "journal.sqlite", resume=resumed) as journal:
+            journal.lives = lives
+            if resumed:
+                resume_moving(cell, Perception(cell), planner(), journal, rules=RULES)
+            else:
+                sort_moving(cell, Perception(cell), planner(), BELT, journal, objects=12, rules=RULES)
+    finally:
+        cell.belt.stop = stop  # type: ignore[method-assign] # the one it had
+
+
+@pytest.mark.parametrize("lives", [3, 5, 6, 9, 14, 20, 27, 35, 50])
+@pytest.mark.parametrize("away", [0.1, 7.0])
+def test_a_run_that_was_killed_tells_what_has_passed_and_sorts_the_rest(
+    tmp_path: Path, lives: int, away: float
+) -> None:
+    cell = plant()
+    with pytest.raises(Killed):
+        dying(cell, tmp_path, lives)
+    cell.wait(away)  # the belt moves on
+    for again in (4, 11, 23):
+        with pytest.raises(Killed):
+            dying(cell, tmp_path, again, resumed=True)
+        cell.wait(away / 4.0)
+    resume(tmp_path, cell)
+    fates = Counter(check_accounts(tmp_path, cell).values())
+    assert set(fates) <= {Fate.IN_BIN, Fate.EMPTY, Fate.MISSED}
+
+
+def test_objects_on_the_belt_when_its_controller_restarts_are_told_and_tracked_again(tmp_path: Path) -> None:
+    cell = plant(objects=20)
+    steps = 0
+
+    def check() -> None:
+        nonlocal steps
+        steps += 1
+        if steps == 50:
+            cell.belt.restart()
+
+    before = dict(cell.belt.in_bins)
+    sort(tmp_path, cell, check=check)
+    fates = Counter(check_accounts(tmp_path, cell).values())
+    assert before == {}
+    assert fates[Fate.LOST] > 0
+    assert fates[Fate.IN_BIN] > 3
+    anchors = [entry.content for entry in entries(tmp_path) if entry.kind == "anchor"]
+    assert len(anchors) == 2
+
+
+@settings(deadline=None, max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(seed=st.integers(0, 10_000))
+def test_lost_requests_and_replies_lose_no_object_and_sort_none_twice(
+    tmp_path_factory: pytest.TempPathFactory, seed: int
+) -> None:
+    folder, cell = tmp_path_factory.mktemp("run"), plant()
+    rng = random.Random(seed)
+    cell.belt.unreachable = lambda what: what != "STOP" and rng.random() < 0.1
+    cell.belt.lost = lambda what: what != "STOP" and rng.random() < 0.1
+    run: Callable[..., object] = sort
+    for _ in range(20):
+        try:
+            run(folder, cell)
+            break
+        except HeldError:
+            run = resume
+            cell.belt.start()
+    else:
+        pytest.fail("the run was held 20 times")
+    fates = check_accounts(folder, cell)
+    assert set(fates.values()) <= {Fate.IN_BIN, Fate.EMPTY, Fate.MISSED, Fate.NOT_DONE}
+
+
+def test_the_state_after_a_rotation_of_the_journal_is_that_of_all_entries(tmp_path: Path) -> None:
+    cell = plant()
+    with Journal(tmp_path / "journal.sqlite", largest=60_000) as journal:
+        sort_moving(cell, Perception(cell), planner(), BELT, journal, objects=12, rules=RULES)
+    check_accounts(tmp_path, cell)
+    every = entries(tmp_path)
+    last = max(n for n, entry in enumerate(every) if entry.kind == "moving_snapshot")
+    whole = MovingState.after(entry for entry in every if entry.kind != "moving_snapshot")
+    assert MovingState.after(every[last:]).snapshot() == whole.snapshot()
+
+
+def test_a_diversion_has_a_final_state_unless_it_is_queued_or_unknown() -> None:
+    assert [state for state in Diversion if not state.final] == [Diversion.QUEUED, Diversion.UNKNOWN]
