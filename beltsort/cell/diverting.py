@@ -15,7 +15,7 @@ A diversion is queued at the controller, which carries it out when the object co
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.protocols import Arm, DepthCamera, Device
@@ -155,6 +155,14 @@ class DivertingBelt(Device, Protocol):
         CommandError
             If the controller cannot be asked.
         """
+
+
+@runtime_checkable
+class KnowsClassesAt(Protocol):
+    """A simulated world in which the class of every object on the belt is known."""
+
+    def true_class_at(self, coordinate: float) -> int | None:
+        """Return the class index of the object at a coordinate; None for an empty cup."""
 
 
 class DivertingCell(Protocol):

@@ -16,8 +16,7 @@ from itertools import islice
 
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.bins import bin_of
-from beltsort.cell.diverting import Diversion, DiversionStatus, DivertingCell
-from beltsort.cell.protocols import KnowsClasses
+from beltsort.cell.diverting import Diversion, DiversionStatus, DivertingCell, KnowsClassesAt
 from beltsort.planning.decisions import right_bins
 from beltsort.sorting.moving.entries import BeltObject, DiversionTold, Diverting, Fate, FoundEmpty, ObjectLeft
 from beltsort.sorting.moving.record import MovingRecord, Patience
@@ -63,13 +62,13 @@ class Diverter:
             self._record(FoundEmpty(number, probability, known.looks))
             return
         assert state.lattice is not None
-        coordinate = known.coordinate
-        true = self._cell.true_class(number) if isinstance(self._cell, KnowsClasses) else None
+        coordinate = state.lattice.coordinate(number) if known.coordinate is None else known.coordinate
+        true = self._cell.true_class_at(coordinate) if isinstance(self._cell, KnowsClassesAt) else None
         self._record(
             Diverting(
                 command_id=f"{state.run}-divert-{state.commands + 1}",
                 number=number,
-                coordinate=state.lattice.coordinate(number) if coordinate is None else coordinate,
+                coordinate=coordinate,
                 bin=bin,
                 name=bin_of(self._cell, bin).name,
                 boot_id=state.boot_id,

@@ -50,6 +50,7 @@ class SimulatedBelt:
     def restart(self) -> None:
         """Start the controller anew: it forgets everything, and its encoder begins at 0."""
         self.boots += 1
+        self.began = self.cell.travel(self.cell.clock)
         self.controller = DivertingController(self.machine, self.boots, lambda: self.cell.clock)
 
     def _ask(self, verb: DiversionVerb, **fields: int) -> DiversionReply:
@@ -162,6 +163,10 @@ class MovingPlant:
 
     def true_class(self, index: int) -> int | None:
         return self.world.true_class(index)
+
+    def true_class_at(self, coordinate: float) -> int | None:
+        """Return the class of an object; coordinates begin anew with every start of the controller."""
+        return self.true_class(round((coordinate + self.belt.began) / self.layout.spacing))
 
     def perceive(self, scan: Scan, tracker: Tracker) -> TrackedScan:
         """Label every object in view as the tables say, the n-th look at it always by the same random."""

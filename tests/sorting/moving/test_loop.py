@@ -43,6 +43,11 @@ def test_every_object_is_told_once_and_is_in_the_bin_that_the_journal_says(tmp_p
     assert report.objects == 12
     assert report.fates[Fate.IN_BIN] == sum(fate is Fate.IN_BIN for fate in fates.values()) >= 6
     assert sum(map(sum, report.confusion)) == sum(report.bins) == report.fates[Fate.IN_BIN]
+    really = [[0] * 4 for _ in range(4)]
+    for cup, bin in cell.belt.in_bins.items():
+        if (true := cell.true_class(cup)) is not None:
+            really[bin][true] += 1
+    assert [list(row) for row in report.confusion] == really
 
 
 def test_an_object_that_nobody_decides_is_told_as_missed_and_an_empty_cup_is_not(tmp_path: Path) -> None:
