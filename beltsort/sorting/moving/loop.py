@@ -227,8 +227,7 @@ class _MovingLoop:
         started
             When the action began, seconds on the cell's clock.
         """
-        belt = self.state.belt
-        ticks = max(1, int(belt.move_ticks[self.state.viewpoint][viewpoint]) + belt.scan_ticks)
+        ticks = int(self.state.belt.look_ticks[self.state.viewpoint][viewpoint])
         if viewpoint != self.state.viewpoint:
             self.looker.move(viewpoint)
         early = started + ticks * self.tick - self.read().stamp
@@ -295,13 +294,14 @@ class _MovingLoop:
         if after.stamp <= before.stamp:
             return
         speed = (after.travel - before.travel) / (after.stamp - before.stamp)
-        planned = self.cell.layout.spacing / (self.state.belt.ticks_per_place * self.tick)
+        per_place = self.state.belt.ticks_per_place or 1
+        planned = self.cell.layout.spacing / (per_place * self.tick)
         if abs(speed / planned - 1.0) > SPEED_TOLERANCE:
             raise HeldError(
                 Hold(
                     None,
                     f"the belt moves at {speed:.3f} m/s, expected about {planned:.3f} m/s: a place of "
-                    f"{self.cell.layout.spacing:g} m in {self.state.belt.ticks_per_place} ticks of "
+                    f"{self.cell.layout.spacing:g} m in {per_place} ticks of "
                     f"{self.tick:g} s; set the belt's speed, or correct ticks_per_place or seconds_per_tick",
                     person=True,
                 )
@@ -318,6 +318,11 @@ class _MovingLoop:
 def _checked(cell: DivertingCell, belt: MovingBelt) -> float:
     """Return the seconds of a tick, after checking that cell and model fit."""
     check_fit(cell, belt.model)
+    if belt.ticks_per_place is None:
+        raise CellError(
+            "the belt of the model advances on decisions (advance_ticks), expected one of constant "
+            "speed: give ticks_per_place, or sort with `sort_objects`"
+        )
     if belt.seconds_per_tick is None:
         raise CellError(
             "seconds_per_tick of the moving belt is missing, expected the time of a tick: give "

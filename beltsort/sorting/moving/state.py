@@ -158,7 +158,7 @@ class MovingState:
                 self.is_settled(number) or self.is_empty(each, empty_looks)
                 for number, each in zip(numbers, known, strict=True)
             ],
-            offset=self.lattice.offset(travel, self.belt.ticks_per_place),
+            offset=self.lattice.offset(travel, self.belt.ticks_per_place or 1),
             to_come=to_come,
         )
 
