@@ -155,8 +155,11 @@ class Looker:
             cups = [look.place + travel for look in seen.looks]
             if not cups:
                 return
-            first = max([state.settled, *(number + 1 for number in state.on_belt)])
-            lattice = Lattice.through(cups, travel, self._cell.layout.spacing, first)
+            spacing = self._cell.layout.spacing
+            # What has passed since the controller was started anew gets numbers too, and is told as missed.
+            unseen = int(travel / spacing) if state.boot_id else 0
+            first = max([state.settled, *(number + 1 for number in state.on_belt)]) + unseen
+            lattice = Lattice.through(cups, travel, spacing, first)
             self._record(Anchored(boot_id, lattice.spacing, lattice.origin, first))
         objects = self._objects(seen, travel)
         events = [type(event).__name__ for event in seen.update.events]

@@ -194,7 +194,6 @@ class MovingState:
     def _anchor(self, anchor: Anchored) -> None:
         self.lattice = Lattice(anchor.spacing, anchor.origin, anchor.first)
         self.boot_id = anchor.boot_id
-        self.settled = max(self.settled, anchor.first)
 
     def _look(self, look: Looked) -> None:
         self.scans += 1
