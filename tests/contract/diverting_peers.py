@@ -19,6 +19,8 @@ from beltsort.testing.diverting import Diversion, DivertingController, Diverting
 from beltsort.testing.diverting_options import MICROMETRES, ended_line
 from tests.contract.peers import ModbusPeer, ModbusTlsPeer, OpcuaPeer, ServerPeer
 from tests.contract.relay import Relay
+from tests.second.process import Controller, built
+from tests.waiting import PATIENCE
 
 SPEED = 0.5
 """Metres per second."""
@@ -166,6 +168,49 @@ class ModbusTlsDiverter(ServedPeer):
     kind = ModbusTlsPeer
 
 
+class SecondDiverter(DivertingPeer):
+    """The controller in C, which shares no code with beltsort, behind a relay."""
+
+    name = "Second"
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        belt = (str(SPEED), str(self.record), *map(str, DIVERTERS))
+        self.controller = Controller(built(folder), folder, *belt)
+        self.relay = Relay(self.controller.port)
+
+    def connected(self) -> DivertingDevice:
+        address = ("127.0.0.1", self.relay.port)
+        return make_modbus(ModbusOptions(*address, answer_timeout=ANSWER_TIMEOUT, allow_insecure=True))
+
+    def push(self, button: str) -> None:
+        self.controller.say(button)
+        self.controller.say("echo")
+        assert self.controller.lines.get(timeout=PATIENCE) == "echo"
+
+    def cut(self) -> None:
+        self.relay.cut()
+
+    def slow(self, seconds: float) -> None:
+        self.relay.delay = seconds
+
+    def hang(self) -> None:
+        self.controller.pause()
+
+    def resume(self) -> None:
+        self.controller.go_on()
+
+    def kill(self) -> None:
+        self.controller.kill()
+
+    def restart(self) -> None:
+        self.controller.start()
+
+    def close(self) -> None:
+        self.relay.close()
+        self.controller.kill()
+
+
 class MemoryDiverter(DivertingPeer):
     """The reference controller in this process, with a link in memory."""
 
@@ -282,5 +327,6 @@ PEERS: tuple[type[DivertingPeer], ...] = (
     OpcuaDiverter,
     ModbusDiverter,
     ModbusTlsDiverter,
+    SecondDiverter,
 )
 """Every belt that never stops."""

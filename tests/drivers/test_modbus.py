@@ -17,7 +17,7 @@ from pymodbus.client import ModbusTcpClient
 from beltsort.cell import CommandError, Outcome
 from beltsort.cell.protocols import NOWHERE
 from beltsort.drivers.fieldbus.wire import MAX_BINS, Phase, Reply, Request, Verb
-from beltsort.drivers.modbus import ModbusOptions, make
+from beltsort.drivers.modbus import ModbusOptions, make, make_diverter
 from beltsort.drivers.modbus.registers import (
     REPLY_AT,
     REPLY_COUNT,
@@ -31,6 +31,7 @@ from beltsort.drivers.modbus.registers import (
 from beltsort.errors import CellError
 from tests.contract.peers import ModbusPeer, ModbusTlsPeer
 from tests.laws import cases
+from tests.second.process import Controller, built
 
 pytestmark = pytest.mark.process
 
@@ -120,6 +121,19 @@ def test_the_server_takes_whole_requests_only(peer: ModbusPeer) -> None:
         assert client.write_registers(REQUEST_AT, [1] * (REQUEST_COUNT - 1)).isError()
         assert client.write_register(REPLY_AT, 1).isError()
         assert not client.write_registers(REQUEST_AT, encode_request(Request(1, Verb.LOOK))).isError()
+
+
+def test_a_server_without_diversions_is_told(peer: ModbusPeer, tmp_path: Path) -> None:
+    """Whether it lacks the registers, or has some there that hold nothing, as the controller in C has."""
+    second = Controller(built(tmp_path), tmp_path)
+    try:
+        for port, said in ((peer.port, "300 to 355"), (second.port, "is 0")):
+            belt = make_diverter(ModbusOptions("127.0.0.1", port, allow_insecure=True))
+            with pytest.raises(CellError, match=rf"\bno diversions\b.*\b{said}\b"):
+                belt.reading()
+            belt.close()
+    finally:
+        second.kill()
 
 
 def test_a_name_that_is_not_in_the_certificate_is_refused(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 from asyncua.ua.uaerrors import UaError
 
 from beltsort.drivers.fieldbus.pki import application_uri
-from beltsort.drivers.opcua import OpcuaOptions, make
+from beltsort.drivers.opcua import OpcuaOptions, make, make_diverter
 from beltsort.drivers.opcua.nodes import NAMESPACE, REQUEST, node_id
 from beltsort.errors import CellError, MissingExtraError
 from beltsort.util.extras import require
@@ -97,6 +97,14 @@ def test_what_is_no_request_is_ignored(guarded: OpcuaPeer) -> None:
     device = guarded.device()
     device.sort(0, "after nonsense")
     device.close()
+
+
+def test_a_server_without_diversions_is_told(guarded: OpcuaPeer) -> None:
+    own, endpoint = guarded.client, f"opc.tcp://127.0.0.1:{guarded.port}/beltsort"
+    belt = make_diverter(OpcuaOptions(endpoint, str(own.certificate), str(own.private_key), str(own.trust)))
+    with pytest.raises(CellError, match=r"\bno diversions\b.*\bDiversionAnswer\b"):
+        belt.reading()
+    belt.close()
 
 
 def test_keys_are_their_owners_alone(guarded: OpcuaPeer) -> None:

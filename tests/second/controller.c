@@ -1,6 +1,7 @@
 /* A controller for belt and sorter over Modbus TCP, with the world that it moves: the drops are counted there.
 
-   It is written from docs/fieldbus.md alone and shares no code with beltsort. Usage: controller WORLD SPEED PORT
+   It is written from docs/fieldbus.md alone and shares no code with beltsort. Usage: controller WORLD SPEED PORT, and for
+   a belt that never stops (diversions.c) METRES_PER_SECOND RECORD DISTANCE...
 
    WORLD is a file that outlives this program, as the belt outlives its controller: see `struct world`. It listens on
    127.0.0.1, on a free port if PORT is 0, and prints "listening PORT". Lines on standard input:
@@ -15,6 +16,8 @@
                    request is not acknowledged
      jog           when the next command ends, somebody pushes the belt on by one place
      fill          every bin is full              empty         none is
+     echo          print "echo"
+     start         start the belt that never stops; press, release, fill, empty and lose concern it too
 */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -31,8 +34,9 @@
 #include <arpa/inet.h>
 #include <time.h>
 #include <unistd.h>
+#include "diversions.h"
 
-enum { OBJECTS = 4096, MEMORY = 1000, BINS = 5, CLIENTS = 8, REGISTERS = 172, REPLY = 100, REPLY_COUNT = 52 };
+enum { OBJECTS = 4096, MEMORY = 1000, BINS = 5, CLIENTS = 8, REGISTERS = 356, REPLY = 100, REPLY_COUNT = 52 };
 enum { LOOK, ADVANCE, SORT, RECALL, STOP, HOME };
 enum { FORGOTTEN, RUNNING, DONE, NOT_DONE, BROKEN_OFF };
 enum {
@@ -66,7 +70,7 @@ static int stuck, overshoot, slip, lose, jog, full;
 static int commands, trigger_command;
 static double trigger_part, deaf_until;
 
-static double now(void) {
+double now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -208,11 +212,11 @@ static struct record act(int verb, int target, uint64_t key) {
     return answer;
 }
 
-static void put(uint16_t *registers, uint64_t value, int count) {
+void put(uint16_t *registers, uint64_t value, int count) {
     for (int i = count - 1; i >= 0; i--, value >>= 16) registers[i] = (uint16_t)value;
 }
 
-static uint64_t get(const uint16_t *registers, int count) {
+uint64_t get(const uint16_t *registers, int count) {
     uint64_t value = 0;
     for (int i = 0; i < count; i++) value = value << 16 | registers[i];
     return value;
@@ -265,8 +269,10 @@ static void drop_client(int i) {
 static void press_button(const char *line) {
     int number, milliseconds;
     double part;
+    if (diversions_button(line)) return;
     if (sscanf(line, "at %d %lf", &number, &part) == 2) trigger_command = commands + number, trigger_part = part;
     else if (!strcmp(line, "press")) break_off(EMERGENCY_STOP), emergency_stop = 1;
+    else if (!strcmp(line, "echo")) printf("echo\n"), fflush(stdout);
     else if (!strcmp(line, "release")) emergency_stop = 0;
     else if (sscanf(line, "cut %d", &milliseconds) == 1) {
         deaf_until = now() + milliseconds / 1000.0;
@@ -322,6 +328,7 @@ static void serve(int i) {
     int written = query[modbus_get_header_length(bus)] == MODBUS_FC_WRITE_MULTIPLE_REGISTERS;
     if (modbus_reply(bus, query, length, registers) < 0) drop_client(i);
     if (written) handle();
+    if (written && diversions_handle(lose)) lose = 0;
 }
 
 static void welcome(void) {
@@ -335,7 +342,8 @@ static void welcome(void) {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 4) return fprintf(stderr, "usage: controller WORLD SPEED PORT\n"), 2;
+    if (argc != 4 && argc < 7)
+        return fprintf(stderr, "usage: controller WORLD SPEED PORT [METRES_PER_SECOND RECORD DISTANCE...]\n"), 2;
     int file = open(argv[1], O_RDWR | O_CREAT, 0600), random = open("/dev/urandom", O_RDONLY);
     if (file < 0 || ftruncate(file, sizeof *world) || random < 0) return perror(argv[1]), 2;
     world = mmap(NULL, sizeof *world, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
@@ -352,6 +360,7 @@ int main(int argc, char **argv) {
     socklen_t size = sizeof name;
     if (getsockname(listener, (struct sockaddr *)&name, &size)) return perror("getsockname"), 2;
     show(registers->tab_registers + REPLY, 0, LOOK, (struct record){0, LOOK, 0, DONE, NONE, now()});
+    if (argc > 4) diversions_begin(registers->tab_registers, boot, atof(argv[4]), argv[5], argc - 6, argv + 6);
     printf("listening %d\n", ntohs(name.sin_port));
     fflush(stdout);
     for (;;) {
@@ -366,8 +375,10 @@ int main(int argc, char **argv) {
                 FD_SET(clients[i], &set);
                 if (clients[i] > highest) highest = clients[i];
             }
-        if (select(highest + 1, &set, NULL, NULL, running || now() < deaf_until ? &tick : NULL) < 0 && errno != EINTR) return perror("select"), 2;
+        int awake = running || now() < deaf_until || diversions_exist();
+        if (select(highest + 1, &set, NULL, NULL, awake ? &tick : NULL) < 0 && errno != EINTR) return perror("select"), 2;
         move();
+        diversions_run();
         serve_panel(0); /* always: lines may be in its buffer */
         if (now() >= deaf_until && FD_ISSET(listener, &set)) welcome();
         for (int i = 0; i < CLIENTS; i++)

@@ -6,8 +6,6 @@ the machine is. The others are the reference servers.
 """
 
 import queue
-import subprocess
-import threading
 import time
 from collections import Counter
 from collections.abc import Sequence as Sequence_
@@ -19,11 +17,9 @@ import numpy as np
 from beltsort.cell.protocols import NOWHERE
 from beltsort.sorting.record import progress_in
 from tests.contract.peers import ServerPeer
+from tests.second.process import Controller
 from tests.second.program import JOURNAL, Reference, Second, Site, World, class_of
 from tests.second.sequences import OBJECTS, Sequence
-from tests.waiting import PATIENCE
-
-SPEED = 8
 
 PARTS = (0.0, 0.3, 0.59, 0.61, 0.95, 2.0)
 """Of a command's motion: the gripper opens at 0.6, and 2 is behind its end."""
@@ -32,44 +28,6 @@ BEFORE = ("stuck", "overshoot", "slip", "lose", "jog", "fill")
 """Faults that the controller is told before the command that they befall."""
 
 DURING = ("press", "SIGINT", "SIGTERM", "SIGHUP", "kill", "power", "cut", "garbage")
-
-
-class Controller:
-    """The controller's process. Its world is in a file and outlives it."""
-
-    def __init__(self, binary: Path, folder: Path) -> None:
-        self._command = [str(binary), str(folder / "world"), str(SPEED)]
-        self.port = 0
-        self.start()
-
-    def start(self) -> None:
-        self._process = subprocess.Popen(
-            [*self._command, str(self.port)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        self.lines: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._read, args=(self._process, self.lines), daemon=True).start()
-        word, number = self.lines.get(timeout=PATIENCE).split()
-        assert word == "listening"
-        self.port = int(number)
-
-    @staticmethod
-    def _read(process: subprocess.Popen[str], lines: "queue.Queue[str]") -> None:
-        assert process.stdout is not None
-        for line in process.stdout:
-            lines.put(line.strip())
-
-    def say(self, *lines: str) -> None:
-        assert self._process.stdin is not None
-        for line in lines:
-            self._process.stdin.write(f"{line}\n")
-        self._process.stdin.flush()
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
-            assert pipe is not None
-            pipe.close()
 
 
 class SecondSequence(Sequence):

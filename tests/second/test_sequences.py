@@ -1,8 +1,6 @@
 """Nothing is lost or done twice with a controller that shares no code with beltsort."""
 
-import os
 import shutil
-import subprocess
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -11,26 +9,18 @@ import pytest
 
 from tests.contract.peers import ModbusPeer, OpcuaPeer, ServerPeer
 from tests.second.controllers import ReferenceSequence, SecondSequence
+from tests.second.process import built
 from tests.second.sequences import Account, Sequence
 
 pytestmark = pytest.mark.process
 
-SOURCE = Path(__file__).with_name("controller.c")
 AT_ONCE = 6
 """Sequences that run side by side: they wait most of the time."""
 
 
 @pytest.fixture(scope="module")
 def binary(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the controller."""
-    if not Path("/usr/include/modbus/modbus.h").exists() and "CI" not in os.environ:
-        pytest.skip("libmodbus is missing; on Debian or Ubuntu: apt-get install libmodbus-dev")
-    path = tmp_path_factory.mktemp("controller") / "controller"
-    subprocess.run(
-        ["cc", "-O1", "-Wall", "-Wextra", "-Werror", "-o", str(path), str(SOURCE), "-lmodbus", "-lm"],
-        check=True,
-    )
-    return path
+    return built(tmp_path_factory.mktemp("controller"))
 
 
 def ran(make: Callable[[Path, int], Sequence], folder: Path, seeds: range) -> Account:
