@@ -72,7 +72,7 @@ laws: build venv  ## the laws on ten times the cases, new ones each time; SEED=.
 	BELTSORT_LAWS=1 $(bin)/python -m pytest -m hypothesis --hypothesis-seed=$(SEED)
 
 soak: build venv  ## 100 kills, 1,000 objects with faults, 3,000 sequences of faults, a peer of ROS 2 in Rust; an hour
-	$(bin)/python -m pytest tests/soak tests/second tests/cli/test_service_soak.py -m soak -s
+	$(bin)/python -m pytest tests/soak tests/second tests/contract/test_diversions.py tests/cli/test_service_soak.py -m soak -s
 
 bench: build venv  ## criterion and pytest-benchmark; on an idle machine
 	cargo bench -p beltsort-benches

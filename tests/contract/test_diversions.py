@@ -1,7 +1,7 @@
 """Laws of belts that never stop, whatever fails: each object is diverted once, and what is told is true."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from itertools import count
 
@@ -22,6 +22,7 @@ NEAR = 0.6
 """Metres before the mark of an object that is diverted soon: a diversion has more than a second."""
 FAR = 6.0
 """Metres before the mark of an object that is on its way for the whole test."""
+FAULTS = ("lose", "cut", "hang", "kill", "slow", "press", "fill")
 APART = 0.05
 """Metres between two objects, at least."""
 
@@ -245,9 +246,20 @@ def test_what_is_refused_may_be_sent_again_when_the_reason_has_passed(belt: Belt
 
 
 def test_no_fault_diverts_an_object_twice_or_makes_a_lie(belt: BeltBench) -> None:
-    rng = np.random.default_rng(5)
+    check_under_faults(belt, np.random.default_rng(5), FAULTS)
+
+
+@pytest.mark.soak
+def test_nor_do_many_faults_in_any_order(belt: BeltBench) -> None:
+    for seed in range(100, 110):
+        rng = np.random.default_rng(seed)
+        check_under_faults(belt, rng, [str(fault) for fault in rng.choice(FAULTS, 12)])
+
+
+def check_under_faults(belt: BeltBench, rng: np.random.Generator, faults: Sequence[str]) -> None:
+    """Divert objects while faults befall the controller, and compare what is told with what was done."""
     told: dict[str, tuple[dict[str, object], Diversion]] = {}
-    for fault in ("lose", "cut", "hang", "kill", "slow", "press", "cut", "lose"):
+    for fault in faults:
         ids = [new_id() for _ in range(3)]
         orders = [
             belt.order(float(rng.uniform(0.0, 2.0)), label=int(rng.integers(len(DIVERTERS)))) for _ in ids
@@ -283,7 +295,7 @@ def hurt(peer: DivertingPeer, fault: str) -> None:
     match fault:
         case "slow":
             peer.slow(0.1)
-        case "lose" | "press":
+        case "lose" | "press" | "fill":
             peer.push(fault)
         case "kill":
             peer.kill()
@@ -301,3 +313,5 @@ def mend(peer: DivertingPeer, fault: str) -> None:
         case "press":
             peer.push("release")
             peer.push("start")
+        case "fill":
+            peer.push("empty")

@@ -238,16 +238,36 @@ def test_bounds_that_contradict_earlier_ones_replace_them() -> None:
     assert ClockBounds.of(sent=10.0, received=10.5, stamp=2.0).narrowed(later) is later
 
 
-def test_a_controller_without_diversions_is_named() -> None:
-    class Old(DivertingStation):
-        def shown(self) -> DiversionReply:
-            raise MissingPartError("it has no node DiversionReply")
+class Old(DivertingStation):
+    """A controller that has no diversions, or whose program that has them does not run yet."""
 
+    started = False
+
+    def shown(self) -> DiversionReply:
+        if not self.started:
+            raise MissingPartError("the version of its diversions is 0")
+        return self.reply
+
+
+def test_a_controller_without_diversions_is_named() -> None:
     device = Old().device()
     for ask in (device.reading, device.health, device.stop, lambda: device.diversion("any", boot_id="1")):
         with pytest.raises(CellError, match=r"\bno diversions\b.*\bfieldbus\.md\b.*\badd them\b") as error:
             ask()
         assert not isinstance(error.value, CommandError), "to repeat it is of no use"
+
+
+def test_a_controller_whose_program_has_not_started_again_is_asked_again() -> None:
+    station = Old()
+    station.started = True
+    device = station.device()
+    assert device.health().ready
+    station.started = False
+    with pytest.raises(CommandError, match=r"\bcannot be asked\b.*\bversion\b") as error:
+        station.divert(device, "early", 1)
+    assert error.value.outcome is Outcome.NOT_DONE
+    station.started = True
+    assert station.divert(device, "early", 1).state is Diversion.QUEUED
 
 
 @pytest.mark.parametrize(

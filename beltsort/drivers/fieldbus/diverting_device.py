@@ -52,7 +52,8 @@ class DivertingDevice:
 
     It connects on first use. A connection that failed or timed out is closed, and the next call opens a new
     one. Every call but `divert` and `diversion` raises `CommandError` with the outcome `NOT_DONE` if the
-    controller cannot be asked, and all raise `CellError` if it has no diversions.
+    controller cannot be asked, and all raise `CellError` if it has no diversions. A controller that has had
+    them counts as one that cannot be asked: its program has not started yet.
 
     Parameters
     ----------
@@ -78,6 +79,7 @@ class DivertingDevice:
         self._name = f"the controller at {address}"
         self._clock = clock
         self._lock = Lock()
+        self._has_diversions = False
         self._bounds: tuple[int, ClockBounds] | None = None  # of the clock since a boot id
         # For each diversion that is not known to have ended: boot id and number of forgotten diversions
         # before it was sent.
@@ -210,14 +212,17 @@ class DivertingDevice:
     ) -> DiversionReply:
         """Send a request, all of which may be repeated; `lost` is the outcome if there is no reply."""
         try:
-            return self._link.send_repeatable(request, deadline)
-        except MissingPartError as missing:
-            raise CellError(
-                f"{what}: {self._name} has no diversions ({missing}), expected those of docs/fieldbus.md, "
-                '"A belt that never stops"; add them to its program, or use a belt that stops'
-            ) from missing
+            reply = self._link.send_repeatable(request, deadline)
         except Exception as failure:  # any exception of the fieldbus library
+            if isinstance(failure, MissingPartError) and not self._has_diversions:
+                raise CellError(
+                    f"{what}: {self._name} has no diversions ({failure}), expected those of "
+                    'docs/fieldbus.md, "A belt that never stops"; add them to its program, or use a belt '
+                    "that stops"
+                ) from failure
             raise unanswered(what, self._name, failure, lost) from failure
+        self._has_diversions = True
+        return reply
 
 
 def _number(name: str, value: int, what: str) -> int:
