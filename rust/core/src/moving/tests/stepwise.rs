@@ -105,7 +105,7 @@ fn stepwise_value(
     decided.decide(belt, Position(0)).unwrap();
     assert!(decided.advance_time(belt, belt.decision_ticks()).abs() < 1e-12);
     let reward = model.best_decision(belief.position(Position(0))).1;
-    let mut best = after(reward, stepwise_value(belt, &decided, viewpoint, depth - 1));
+    let mut highest = after(reward, stepwise_value(belt, &decided, viewpoint, depth - 1));
     for &to in model.legal_moves(viewpoint) {
         let mut next = belief.clone();
         next.advance_time(belt, belt.look_ticks(viewpoint, to));
@@ -132,7 +132,7 @@ fn stepwise_value(
             seen = (seen.0 + p * value.0, seen.1 + p * value.1);
         }
         let value = after(-model.motion_cost(viewpoint, to), seen);
-        best = (best.0.max(value.0), best.1.max(value.1));
+        highest = (highest.0.max(value.0), highest.1.max(value.1));
     }
-    best
+    highest
 }
