@@ -14,40 +14,25 @@ import numpy as np
 
 import beltsort
 from beltsort import (
-    DecideAt,
-    Move,
-    MovingBelief,
     MovingBelt,
     MovingPlanner,
     MovingThreshold,
     SortingModel,
-    Wait,
 )
 from beltsort.planning.bins import mean_of
 from beltsort.planning.policy import MovingPolicy
+from beltsort.planning.timed import TimedPlanner
 
 THRESHOLDS = (0.7, 0.8, 0.9, 0.95)
-
-
-class Timed:
-    """A planner, and how long its plans take."""
-
-    def __init__(self, planner: MovingPlanner) -> None:
-        self.planner = planner
-        self.seconds: list[float] = []
-
-    def act(self, belief: MovingBelief, viewpoint: int) -> Move | Wait | DecideAt:
-        """Return the planner's action."""
-        plan = self.planner.plan(belief, viewpoint)
-        self.seconds.append(plan.seconds)
-        return plan.action
 
 
 def report(
     belt: MovingBelt, trials: list[int], optimism: float, objects: int, runs: int, tick: float
 ) -> None:
     """Print the comparison for one speed of the belt."""
-    planners = {f"planner {n}": Timed(MovingPlanner(belt, trials=n, optimism=optimism)) for n in trials}
+    planners = {
+        f"planner {n}": TimedPlanner(MovingPlanner(belt, trials=n, optimism=optimism)) for n in trials
+    }
     thresholds = {f"threshold {t}": MovingThreshold(belt, t, rule="information-per-tick") for t in THRESHOLDS}
     policies: dict[str, MovingPolicy] = {**thresholds, **planners}
     returns = {

@@ -47,6 +47,7 @@ from beltsort.cli import (
     status,
     stop,
     sweep,
+    throughput,
     train,
     viewpoints,
     watch,
@@ -59,7 +60,7 @@ from beltsort.sorting.interrupts import Interrupted
 GROUPS = {
     "sort": (demo, run, example, check, home, show, watch, explain, backup, prune, migrate),
     "serve": (service, status, hold, go_on, stop, settle),
-    "plan": (plan, evaluate, compare, sweep, solve, export, info),
+    "plan": (plan, evaluate, compare, throughput, sweep, solve, export, info),
     "perceive": (train, classify, estimate, prepare, viewpoints, calibrate_belt, calibrate_check),
     "paper": (reproduce,),
     "shell": (completion,),

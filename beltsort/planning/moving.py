@@ -29,7 +29,7 @@ class MovingStatistics:
     ticks
         Ticks of a run.
     objects_per_minute
-        Objects that passed, decided or not, in a minute; None if the belt has no `seconds_per_tick`.
+        Decided objects in a minute; None if the belt has no `seconds_per_tick`.
     bins
         Of each of the B bins its objects per run, purity and recovery; missed objects count against recovery.
     """
@@ -82,7 +82,7 @@ def moving_statistics(evaluation: MovingEvaluation) -> MovingStatistics:
     ticks = evaluation.ticks.astype(np.float64)
     per_minute = None
     if belt.seconds_per_tick is not None:
-        per_minute = ratio_of(np.full(len(ticks), float(objects)), ticks * belt.seconds_per_tick / 60)
+        per_minute = ratio_of(confusion.sum(axis=(1, 2)), ticks * belt.seconds_per_tick / 60)
     return MovingStatistics(
         reward_per_object=mean_of(evaluation.returns / objects),
         discounted_return=mean_of(evaluation.discounted_returns),

@@ -7,7 +7,7 @@ function.
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from beltsort._core import (
     DEFAULT_INFORMATION_POSITIONS,
@@ -71,7 +71,8 @@ def named_policy(text: str, model: SortingModel, folder: Path | None = None, **s
     text = located_policy(text, folder or Path())
     kind, *parameters = text.split(":")
     if kind not in KINDS and is_reference(text):
-        return _own_policy(text, model, folder or Path())
+        policy: Policy = own_policy(text, model, folder or Path())
+        return policy
     if kind not in KINDS:
         near = nearest_name(kind, KINDS)
         raise ArgumentError(f"there is no policy {text!r}; did you mean {near!r}? Expected one of {HELP}")
@@ -112,11 +113,27 @@ def plans_by_the_clock(text: str) -> bool:
     return timed or (kind == "solution" and solution_file(text) is None)
 
 
-def _own_policy(text: str, model: SortingModel, folder: Path) -> Policy:
+def own_policy(text: str, problem: object, folder: Path) -> Any:
+    """Return the object `module:object`, or what it returns when it is called with the problem.
+
+    Parameters
+    ----------
+    text
+        The name.
+    problem
+        A model, or a moving belt.
+    folder
+        Where modules are found that are not installed.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such object, or it is no policy.
+    """
     found: Any = object_of(text, folder, "policy", ArgumentError)
     if isinstance(found, type) or (callable(found) and not hasattr(found, "act")):
         try:
-            found = found(model)
+            found = found(problem)
         except Exception as reason:  # whatever the user's own code raises
             raise ArgumentError(
                 f"the policy {text!r} cannot be made: {type(reason).__name__}: {reason}; expected a policy, "
@@ -127,7 +144,7 @@ def _own_policy(text: str, model: SortingModel, folder: Path) -> Policy:
             f"the policy {text!r} is {found!r}, expected a method act(belief, viewpoint) that returns "
             "beltsort.Move or beltsort.Decide: add it"
         )
-    return cast(Policy, found)
+    return found
 
 
 def _despot(model: SortingModel, budget: str = str(DEFAULT_TRIALS), **settings: Any) -> Policy:
