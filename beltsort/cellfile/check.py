@@ -10,7 +10,7 @@ from beltsort.cell.frames import from_matrix
 from beltsort.cell.protocols import Cell, Health
 from beltsort.cell.stopping import stopping
 from beltsort.cellfile.inspection import SeenBelt, SeenCrop, seen_belt, seen_crops, seen_findings
-from beltsort.cellfile.registry import ROLES
+from beltsort.cellfile.roles import ROLES
 from beltsort.cellfile.sections import CheckLimits
 from beltsort.errors import CellError
 from beltsort.perception import Finding, PoseFault

@@ -1,8 +1,7 @@
 """Composition of a cell from the devices of its file."""
 
-import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from beltsort.cell.commands import Act, AdvanceTo, MoveTo, SortInto
@@ -17,13 +16,13 @@ from beltsort.cell.wrappers.limits import Limits
 from beltsort.cell.wrappers.recorder import Recorded, Recorder
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedCamera, WrappedSorter
 from beltsort.cellfile.description import CellDescription
-from beltsort.cellfile.problems import CellFileError, raise_all
-from beltsort.cellfile.registry import ROLES, Backend, backend
+from beltsort.cellfile.making import Maker, all_of, backends_of, roles_in_dry_run
+from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.roles import ROLES
 from beltsort.geometry import BeltLayout, Pose
 from beltsort.testing.faults import Faults
 
 WRAPPED = {"arm": WrappedArm, "camera": WrappedCamera, "belt": WrappedBelt, "sorter": WrappedSorter}
-MOVERS = ("arm", "belt", "sorter")
 
 
 def nobody_knows(_index: int) -> None:
@@ -98,22 +97,29 @@ def compose(
     Raises
     ------
     CellFileError
-        With all problems of the back-ends and their options.
+        With all problems of the back-ends and their options, or if the belt never stops: see
+        `beltsort.cellfile.composed_moving`.
     """
-    kinds = _all_of(lambda role: backend(role, description.device(role).backend))
-    maker = _Maker(description, made)
-    devices = _all_of(lambda role: maker.device(role, kinds[role]))
+    if description.moving is not None:
+        raise CellFileError.of(
+            "moving",
+            "is given, expected a belt that stops: only `beltsort run` and "
+            "`beltsort check` take one that never stops",
+        )
+    kinds = backends_of(description)
+    maker = Maker(description, made)
+    devices = all_of(ROLES, lambda role: maker.device(role, kinds[role]))
     classes = [device.true_class for device in devices.values() if isinstance(device, KnowsClasses)]
     printed = roles_in_dry_run(description, live=live)
     camera_is_still = "arm" in printed or kinds["arm"].absent
     camera = devices["camera"]
     camera_follows = isinstance(camera, FollowsBelt) and camera is not devices["belt"]
-    inner = _inner_layers(description, numbered=kinds["sorter"].numbered)
+    inner = inner_layers(description, numbered=kinds["sorter"].numbered)
     for role in ROLES:
         recorder = [] if record is None else [Recorder(role, record)]
         dry_run = [DryRun(say)] if role in printed else []
         devices[role] = WRAPPED[role](devices[role], *recorder, *dry_run, *inner)
-    outer = _outer_layers(description, devices["arm"])
+    outer = outer_layers(description, devices["arm"])
     for role in ROLES:
         follow = [Follow(camera)] if camera_follows and role == "belt" else []
         devices[role] = WRAPPED[role](devices[role], *follow, *outer)
@@ -131,61 +137,7 @@ def compose(
     )
 
 
-def roles_in_dry_run(description: CellDescription, *, live: bool) -> tuple[str, ...]:
-    """Return the names of the devices whose commands are printed instead of sent.
-
-    Raises
-    ------
-    CellFileError
-        If there is no such back-end.
-    """
-    if live:
-        return ()
-    return tuple(role for role in MOVERS if not backend(role, description.device(role).backend).harmless)
-
-
-@dataclass
-class _Maker:
-    """Creates the devices of a cell; one that several roles share is created once."""
-
-    description: CellDescription
-    on_made: Callable[[Any], None]
-    made: list[tuple[Backend, Mapping[str, object], Any]] = field(default_factory=list)
-
-    def device(self, role: str, kind: Backend) -> Any:
-        """Return the device of a role; one with the same options is shared if the back-end says so."""
-        options = self.description.options_of(role)
-        for same_kind, same_options, device in self.made:
-            if kind.shared and (same_kind, same_options) == (kind, options):
-                return device
-        try:
-            device = kind.make(options, self.description)
-        except CellFileError as error:
-            raise error.below(lambda key: self._table_of(role, key)) from None
-        self.made.append((kind, options, device))
-        self.on_made(device)
-        return device
-
-    def _table_of(self, role: str, key: str) -> str:
-        """Return the table of the cell file that contains an option, or to which a missing one belongs."""
-        name = self.description.device(role).backend
-        shared = self.description.backends.get(name, {})
-        return f"backends.{name}" if not key or re.split(r"[.[]", key)[0] in shared else f"{role}.options"
-
-
-def _all_of(make: Callable[[str], Any]) -> dict[str, Any]:
-    """Return the result of `make` for each role, or raise one error with the problems of all roles."""
-    made, errors = {}, []
-    for role in ROLES:
-        try:
-            made[role] = make(role)
-        except CellFileError as error:
-            errors.append(error)
-    raise_all(errors)
-    return made
-
-
-def _outer_layers(description: CellDescription, arm: WrappedArm) -> list[Layer]:
+def outer_layers(description: CellDescription, arm: WrappedArm) -> list[Layer]:
     """Return the wrappers that check arguments and compute the camera's pose, the outermost first."""
     names, poses = description.viewpoint_names, [viewpoint.pose() for viewpoint in description.viewpoints]
     bins = [*description.bin_names, "the reject bin"][: len(description.bin_numbers)]
@@ -193,7 +145,7 @@ def _outer_layers(description: CellDescription, arm: WrappedArm) -> list[Layer]:
     return [Limits(names, bins), camera_poses]
 
 
-def _inner_layers(description: CellDescription, *, numbered: bool) -> list[Layer]:
+def inner_layers(description: CellDescription, *, numbered: bool) -> list[Layer]:
     """Return the wrappers next to the devices, the outermost first."""
     timeouts = description.timeouts
     seconds: dict[type[Act], float] = {
@@ -203,4 +155,4 @@ def _inner_layers(description: CellDescription, *, numbered: bool) -> list[Layer
     if description.faults is not None:
         faults = [Faults(description.faults.plan(), len(description.viewpoints))]
     bins = [Bins(description.bin_numbers)] if numbered else []
-    return [*faults, Deadlines(seconds, timeouts.scan), *bins]
+    return [*faults, Deadlines(seconds, timeouts.scan, timeouts.divert), *bins]

@@ -2,13 +2,15 @@
 
 import tomllib
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from beltsort.cell.placement import Placement
+from beltsort.cellfile.moving import USED_RULES, Moving
 from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.roles import MOVING_ROLES, ROLES, TABLES
 from beltsort.cellfile.sections import (
     ArmSection,
     BeltSection,
@@ -37,6 +39,7 @@ with extra("cell"):
     from pydantic import BeforeValidator, Field, NonNegativeInt, PositiveInt, PrivateAttr
 
 VERSION = 1
+NO_SORTER = Problem("sorter", "is missing; add it, or [moving] if the belt never stops")
 UNLIMITED = "unlimited"
 """The number of objects of a run that goes on until it is told to stop."""
 
@@ -86,8 +89,10 @@ class CellDescription(Section):
     """The depth camera."""
     belt: BeltSection
     """The belt."""
-    sorter: DeviceSection
-    """The sorter, which puts objects into bins."""
+    sorter: DeviceSection | None = None
+    """The sorter, which puts objects into bins; none with `moving`."""
+    moving: Moving | None = None
+    """A belt that never stops; it stops if missing."""
     backends: dict[str, Options] = Field(default_factory=dict)
     """Options by back-end, for all devices that it drives."""
     perception: Annotated[PerceptionConfig, OWN_CHECKS] | None = None
@@ -117,8 +122,13 @@ class CellDescription(Section):
         CellFileError
             If it cannot be read or is invalid, with all its problems.
         """
-        description = validated(cls, _read(Path(path)))
-        if problems := list(contradictions(description)):
+        given = _read(Path(path))
+        without = [] if {"sorter", "moving"} & given.keys() else [NO_SORTER]
+        try:
+            description = validated(cls, given)
+        except CellFileError as error:
+            raise CellFileError([*error.problems, *without]) from None
+        if problems := [*without, *contradictions(description)]:
             raise CellFileError(problems)
         description._file = Path(path)
         return description
@@ -158,9 +168,14 @@ class CellDescription(Section):
         belt, hand_eye = self.belt.world_from_belt, self.camera.flange_from_camera
         return Placement(None if belt is None else belt.pose(), None if hand_eye is None else hand_eye.pose())
 
+    @property
+    def roles(self) -> tuple[str, ...]:
+        """The roles of the cell's devices."""
+        return ROLES if self.moving is None else MOVING_ROLES
+
     def device(self, role: str) -> DeviceSection:
-        """Return the table of `arm`, `camera`, `belt` or `sorter`."""
-        section: DeviceSection = getattr(self, role)
+        """Return the table of one of the cell's roles."""
+        section: DeviceSection = getattr(self, TABLES[role])
         return section
 
     def options_of(self, role: str) -> Options:
@@ -208,7 +223,11 @@ def contradictions(cell: CellDescription) -> Iterator[Problem]:
     yield from _bins(cell)
     yield from _model_files(cell)
     yield from _joints(cell)
-    known = list(dict.fromkeys(d.backend for d in (cell.arm, cell.camera, cell.belt, cell.sorter)))
+    if cell.moving is not None:
+        yield from _beside_moving(cell)
+        yield from _shapes(cell, cell.moving)
+    devices = (cell.arm, cell.camera, cell.belt, cell.sorter)
+    known = list(dict.fromkeys(device.backend for device in devices if device is not None))
     for name in cell.backends:
         if name not in known:
             yield Problem(f"backends.{name}", f"has options, but drives no device; {nearest_of(name, known)}")
@@ -251,3 +270,54 @@ def _joints(cell: CellDescription) -> Iterator[Problem]:
             if not least <= angle <= most:
                 what = f"is {angle:g}, expected {least:g} to {most:g} (arm.joint_limits): teach it again"
                 yield Problem(f"{where}[{axis}]", what)
+
+
+def _beside_moving(cell: CellDescription) -> Iterator[Problem]:
+    """Yield what a cell file with [moving] must not have."""
+    if cell.sorter is not None:
+        yield Problem("sorter", "is given, but with [moving] the belt diverts objects itself: leave it out")
+    for key in ("reject_bin", "drift", "faults", "ros2"):
+        if getattr(cell, key) is not None:
+            yield Problem(key, "is given, but cannot be used with [moving]: leave it out")
+    if cell.belt_ends:
+        yield Problem(
+            "belt_ends", "is true, but with [moving] a belt ends with its last object: leave it out"
+        )
+    rules = Rules()
+    for field in fields(Rules):
+        value = getattr(cell.rules, field.name)
+        if field.name not in USED_RULES and value != getattr(rules, field.name):
+            used = ", ".join(USED_RULES)
+            yield Problem(
+                f"rules.{field.name}", f"is {value}, but with [moving] only {used} are used: leave it out"
+            )
+    if cell.planner.policy != "despot":
+        yield Problem(
+            "planner.policy",
+            f'is "{cell.planner.policy}", expected "despot", the planner, with [moving]: leave it out',
+        )
+
+
+def _shapes(cell: CellDescription, moving: Moving) -> Iterator[Problem]:
+    """Yield what in the table does not fit positions, viewpoints and classes."""
+    positions, viewpoints = cell.belt.positions, len(cell.viewpoints)
+    if moving.reach > positions:
+        yield Problem(
+            "moving.reach", f"is {moving.reach}, expected at most {positions}, the belt's positions: lower it"
+        )
+    if not isinstance(moving.move_ticks, int):
+        lengths = [len(row) for row in moving.move_ticks]
+        if lengths != [viewpoints] * viewpoints:
+            yield Problem(
+                "moving.move_ticks",
+                f"has rows of {lengths} numbers, expected {viewpoints} rows of {viewpoints}: one for each "
+                "viewpoint, or give one number for all moves",
+            )
+    for name in moving.missed:
+        if name not in cell.classes:
+            yield Problem(f"moving.missed.{name}", f"is no class; {nearest_of(name, list(cell.classes))}")
+    unpriced = [name for name in cell.classes if name not in moving.missed]
+    if moving.missed and unpriced:
+        yield Problem(
+            "moving.missed", f"has no price of {unpriced}: give one for each class, or leave it out"
+        )

@@ -1,19 +1,22 @@
 """The back-end `dry-run`: placeholders with which a cell file can be tried without hardware.
 
-Arm, belt and sorter log their commands; the camera returns scans of a level, empty belt.
+Arm, belt and sorter log their commands; the camera returns scans of a level, empty belt. A belt that never
+stops moves with the speed of [moving]; since the camera sees no cup on it, a run waits for the first one.
 """
 
 import logging
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from beltsort.cell.diverting import BeltReading
 from beltsort.cell.placement import Placement
 from beltsort.cell.protocols import Health, Scan
 from beltsort.cell.wrappers.dry_run import DryRun
-from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedSorter
+from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedBelt, WrappedDivertingBelt, WrappedSorter
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.registry import Backend, backend_of
 from beltsort.geometry import Pose, look_at
@@ -41,6 +44,24 @@ class Absent:
         """Do nothing: nothing moves."""
 
 
+class AbsentMovingBelt(Absent):
+    """A belt that moves with a constant speed, without an encoder.
+
+    Parameters
+    ----------
+    speed
+        Metres per second.
+    """
+
+    def __init__(self, speed: float) -> None:
+        self._speed, self._began = speed, time.monotonic()
+
+    def reading(self, **_timeout: float) -> BeltReading:
+        """Return how far the belt has moved."""
+        now = time.monotonic()
+        return BeltReading(now, self._speed * (now - self._began), "dry-run")
+
+
 class EmptyBeltCamera(Absent):
     """A camera that returns scans of a level, empty belt.
 
@@ -61,7 +82,8 @@ class EmptyBeltCamera(Absent):
         with np.errstate(divide="ignore"):
             depth = -self._pose[2, 3] / rays[..., 2]
         depth[(depth <= 0.0) | (depth > 5.0)] = np.nan
-        return Scan(PINHOLE.deproject(depth), self._placement.in_world(self._pose), stamp=not_before)
+        stamp = max(not_before, time.monotonic())
+        return Scan(PINHOLE.deproject(depth), self._placement.in_world(self._pose), stamp)
 
 
 def _camera(_options: NoOptions, cell: CellDescription) -> EmptyBeltCamera:
@@ -77,4 +99,13 @@ def _mover(kind: Callable[[Any, DryRun], object]) -> Backend:
 
 
 ARM, BELT, SORTER = _mover(WrappedArm), _mover(WrappedBelt), _mover(WrappedSorter)
+
+
+def _diverter(_options: NoOptions, cell: CellDescription) -> WrappedDivertingBelt:
+    speed = 0.0 if cell.moving is None else cell.moving.speed(cell.belt.spacing)
+    belt: Any = AbsentMovingBelt(speed)  # its diversions are `DryRun`'s
+    return WrappedDivertingBelt(belt, DryRun(log.info))
+
+
+DIVERTER = backend_of(NoOptions, _diverter, harmless=True, absent=True)
 CAMERA = backend_of(NoOptions, _camera, harmless=True)

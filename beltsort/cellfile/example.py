@@ -33,7 +33,7 @@ def examples() -> list[Example]:
     Examples
     --------
     >>> [example.name for example in examples()]
-    ['opcua', 'simulated']
+    ['moving', 'opcua', 'simulated']
     """
     found = (files(__package__) / "examples").iterdir()
     texts = {file.name.removesuffix(".toml"): file for file in found if file.name.endswith(".toml")}

@@ -15,6 +15,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from beltsort.cellfile.problems import CellFileError
+from beltsort.cellfile.roles import DIVERTER, ROLES, TABLES
 from beltsort.cellfile.validation import validated
 from beltsort.util.naming import nearest_of
 
@@ -23,16 +24,10 @@ if TYPE_CHECKING:
 
 Options = TypeVar("Options")
 
-ROLES = ("arm", "camera", "belt", "sorter")
-"""The devices of a cell whose belt stops."""
-
-DIVERTER = "diverter"
-"""The role of a belt that never stops, with its diverters, in place of belt and sorter."""
-
 GROUP = "beltsort."
 
 BUILT_IN: dict[str, dict[str, str]] = {
-    "simulated": dict.fromkeys(ROLES, "beltsort.cellfile.simulated:BACKEND"),
+    "simulated": dict.fromkeys((*ROLES, DIVERTER), "beltsort.cellfile.simulated:BACKEND"),
     "opcua": {
         **dict.fromkeys(("belt", "sorter"), "beltsort.cellfile.backends:OPCUA"),
         DIVERTER: "beltsort.cellfile.backends:OPCUA_DIVERTER",
@@ -44,7 +39,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
     "ros1": {role: f"beltsort.cellfile.backends:ROS1_{role.upper()}" for role in ROLES},
     "ros2": {role: f"beltsort.cellfile.backends:ROS2_{role.upper()}" for role in ROLES},
     "replay": dict.fromkeys(("arm", "camera", "belt"), "beltsort.cellfile.backends:REPLAY"),
-    "dry-run": {role: f"beltsort.cellfile.dry_run:{role.upper()}" for role in ROLES},
+    "dry-run": {role: f"beltsort.cellfile.dry_run:{role.upper()}" for role in (*ROLES, DIVERTER)},
 }
 """The object of each built-in back-end, by its name and the role of the device."""
 
@@ -109,7 +104,7 @@ def backend(role: str, name: str) -> Backend:
     Parameters
     ----------
     role
-        One of `ROLES`, or `DIVERTER`.
+        One of `beltsort.cellfile.roles`.
     name
         Name in the cell file.
 
@@ -121,11 +116,10 @@ def backend(role: str, name: str) -> Backend:
     group = GROUP + role
     known = {name: EntryPoint(name, paths[role], group) for name, paths in BUILT_IN.items() if role in paths}
     known |= {entry.name: entry for entry in entry_points(group=group) if entry.name not in known}
-    where = f"{role}.backend"
+    where = f"{TABLES[role]}.backend"
     if name not in known:
-        raise CellFileError.of(
-            where, f"is {name!r}, which is not a back-end of this device; {nearest_of(name, list(known))}"
-        )
+        what = "cannot divert objects" if role == DIVERTER else "is not a back-end of this device"
+        raise CellFileError.of(where, f"is {name!r}, which {what}; {nearest_of(name, list(known))}")
     try:
         found = known[name].load()
     except (ImportError, AttributeError) as reason:

@@ -170,6 +170,8 @@ class Timeouts(Section):
     """Timeout of a sort, seconds."""
     advance: Seconds = TIMEOUT
     """Timeout of an advance of the belt, seconds."""
+    divert: Seconds = TIMEOUT
+    """Timeout of the acknowledgement of a diversion, and of a query to a belt that never stops, seconds."""
 
 
 class Planner(Section):

@@ -1,4 +1,4 @@
-"""The back-end `simulated`: one simulated cell as all four devices."""
+"""The back-end `simulated`: one simulated cell as all of its devices."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.problems import CellFileError
-from beltsort.cellfile.registry import ROLES, backend_of
+from beltsort.cellfile.registry import backend_of
+from beltsort.cellfile.roles import TABLES
 from beltsort.cellfile.sections import Viewpoint
 from beltsort.cellfile.validation import validated
 from beltsort.geometry import SphereViewpoint
@@ -20,6 +21,7 @@ with extra("cell"):
     from pydantic import NonNegativeInt
 
 if TYPE_CHECKING:
+    from beltsort.cellfile.simulated_moving import SimulatedDivertingCell
     from beltsort.sim.cell import SimulatedCell
 
 NAME = "simulated"
@@ -34,7 +36,8 @@ class SimulatedOptions:
     Attributes
     ----------
     true_labels
-        The class of each object, `-` for an empty cup; all cups after the last one are empty.
+        The class of each object, `-` for an empty cup; all cups after the last one are empty. On a belt that
+        never stops the first ones may have passed before the first scan.
     draw_from
         Classes from which the objects of the run are drawn uniformly if `true_labels` is not given; default
         all classes.
@@ -51,7 +54,7 @@ class SimulatedOptions:
     meshes: Mapping[str, str | tuple[str, ...]] = field(default_factory=dict)
 
 
-def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
+def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell | SimulatedDivertingCell":
     """Return the simulated cell of a cell file.
 
     Raises
@@ -63,6 +66,8 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
 
     config = config_of(cell, options)
     labels = true_labels(options, cell)
+    if cell.moving is not None:
+        return _make_moving(options, cell, config, labels)
     number = 0 if cell.objects is None else max(cell.objects, len(options.true_labels))
     return SimulatedCell(
         list(islice(labels, number)),
@@ -73,6 +78,23 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
         reject_bin=None if cell.reject_bin is None else len(cell.bin_names),
         further=labels if cell.objects is None else None,
     )
+
+
+def _make_moving(
+    options: SimulatedOptions, cell: CellDescription, config: CellConfig, labels: Iterator[int | None]
+) -> "SimulatedDivertingCell":
+    """Return the simulated cell of a cell file with [moving]."""
+    from beltsort.cellfile.simulated_moving import SimulatedDivertingCell, diverters
+
+    assert cell.moving is not None
+    if others := not_simulated(cell):
+        raise CellFileError.of(
+            "",
+            f"{', '.join(others)} is not {NAME}, expected all devices to be: a simulated belt moves with the "
+            "clock of its cell",
+        )
+    machine = diverters(cell.moving.speed(cell.belt.spacing), len(cell.bin_names))
+    return SimulatedDivertingCell(labels, machine, config, options.seed, cell.moving.exposure)
 
 
 def trainable_config(cell: CellDescription) -> CellConfig:
@@ -86,7 +108,7 @@ def trainable_config(cell: CellDescription) -> CellConfig:
     if others := not_simulated(cell):
         raise CellFileError.of(
             "prepare",
-            f"is given, but {', '.join(others)} is not {NAME}, expected all four devices to be: name model "
+            f"is given, but {', '.join(others)} is not {NAME}, expected all devices to be: name model "
             "and classifier, trained on scans of the real cell",
         )
     return config_of_cell(cell)
@@ -94,7 +116,7 @@ def trainable_config(cell: CellDescription) -> CellConfig:
 
 def not_simulated(cell: CellDescription) -> list[str]:
     """Return which devices are not simulated."""
-    return [role for role in ROLES if cell.device(role).backend != NAME]
+    return [TABLES[role] for role in cell.roles if cell.device(role).backend != NAME]
 
 
 def config_of_cell(cell: CellDescription) -> CellConfig:

@@ -251,7 +251,7 @@ def run_to_resume(arguments: Namespace, description: "CellDescription") -> Path 
     ArgumentError
         If the newest run is to be resumed and there is none that is not finished.
     """
-    from beltsort.cellfile.composed import roles_in_dry_run
+    from beltsort.cellfile.making import roles_in_dry_run
 
     given: Path | None = arguments.resume
     if given != LATEST and not arguments.service:

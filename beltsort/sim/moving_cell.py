@@ -30,13 +30,16 @@ class MovingCell:
     Parameters
     ----------
     true_labels
-        Class index of each object, None for an empty cup; cups after the last one are empty.
+        Class index of each object, None for an empty cup; cups after the last one are empty, unless `further`
+        is given.
     belt
         How the belt moves.
     config
         Configuration of the cell. Of its durations `move_seconds` and `scan_seconds` are used.
     seed
         Seed, at least 0.
+    further
+        Class indices of the objects that follow, without end; None: the cups that follow are empty.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class MovingCell:
         belt: BeltDrive | None = None,
         config: CellConfig | None = None,
         seed: int = 0,
+        further: Iterator[int | None] | None = None,
     ) -> None:
         self.config = CellConfig() if config is None else config
         self.moving = BeltDrive() if belt is None else belt
@@ -78,7 +82,9 @@ class MovingCell:
             None if generator(seed, LABEL_STREAM, n).random() < self.moving.empty else label
             for n, label in enumerate(true_labels)
         )
-        self._world = World(list(empty) if self.moving.empty > 0.0 else true_labels, self.config, seed)
+        self._world = World(
+            list(empty) if self.moving.empty > 0.0 else true_labels, self.config, seed, further
+        )
         self._seed = seed
         self._speeds = [(0.0, 0.0, self.moving.belt_speed)]  # time, travel, speed from then on
         self._arm = (0, 0, 0.0, 0.0)  # from viewpoint, to viewpoint, begin, end
@@ -113,6 +119,25 @@ class MovingCell:
     def true_class(self, index: int) -> int | None:
         """Return the class index of object `index`; None for an empty cup."""
         return self._world.true_class(index)
+
+    def begin_at(self, clock: float, travel: float, *, viewpoint: int, scans: int) -> None:
+        """Set the state at which a run is resumed; the belt moves with its configured speed.
+
+        Parameters
+        ----------
+        clock
+            Time of the cell's clock, seconds.
+        travel
+            How far the belt has moved, metres.
+        viewpoint
+            Where the camera stands.
+        scans
+            Number of scans that were taken, on which the noise of the next ones depends.
+        """
+        speed = self.moving.belt_speed
+        self.clock, self._scans = clock, scans
+        self._speeds = [(0.0, travel - speed * clock, speed)]
+        self._arm = (viewpoint, viewpoint, 0.0, 0.0)
 
     def set_speed(self, belt_speed: float) -> None:
         """Set the belt's speed from now on, metres per second, at least 0."""

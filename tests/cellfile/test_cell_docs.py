@@ -11,6 +11,7 @@ import pytest
 from beltsort.cellfile import sections
 from beltsort.cellfile.composed import compose
 from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.moving import Moving
 from beltsort.cellfile.registry import BUILT_IN
 from beltsort.cellfile.validation import Section, validated
 from beltsort.perception.named_classifier import as_classifier
@@ -26,6 +27,7 @@ PYTHON = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 TOML = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
 SECTIONS: list[type[Section]] = [
     CellDescription,
+    Moving,
     *(kind for kind in vars(sections).values() if is_section(kind)),
 ]
 

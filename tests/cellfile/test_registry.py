@@ -11,7 +11,8 @@ from beltsort.cell.protocols import Health
 from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile import registry
 from beltsort.cellfile.problems import CellFileError
-from beltsort.cellfile.registry import BUILT_IN, DIVERTER, ROLES, Backend, backend
+from beltsort.cellfile.registry import BUILT_IN, Backend, backend
+from beltsort.cellfile.roles import DIVERTER, ROLES
 from beltsort.geometry import transform
 from tests.cellfile.cell_files import NOTHING_SIMULATED, composed
 

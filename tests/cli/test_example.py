@@ -14,7 +14,7 @@ def test_an_example_is_a_valid_cell_file(name: str, tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     assert command("example", name, "-o", str(path)).returncode == 0
     assert path.read_text() == output("example", name) == json_of("example", name)["text"]
-    assert CellDescription.load(path).objects == 10
+    assert CellDescription.load(path).objects == {"moving": 20}.get(name, 10)
 
 
 def test_without_a_name_they_are_listed() -> None:

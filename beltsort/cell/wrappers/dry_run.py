@@ -3,7 +3,17 @@
 from collections.abc import Callable
 
 from beltsort.cell.commands import Act, CommandError, Outcome
-from beltsort.cell.wrappers.layer import METHODS, Layer, Request, Send
+from beltsort.cell.diverting import Diversion, DiversionStatus
+from beltsort.cell.wrappers.layer import (
+    METHODS,
+    AskDiversion,
+    DiversionQuery,
+    Divert,
+    DivertRequest,
+    Layer,
+    Request,
+    Send,
+)
 
 Say = Callable[[str], None]
 
@@ -11,8 +21,8 @@ Say = Callable[[str], None]
 class DryRun(Layer):
     """Prints commands instead of sending them, and reports them as done.
 
-    Health and scans are the device's own. Since nothing moves, every scan is recent enough: the time of each
-    stop is 0.
+    Health, scans and readings of an encoder are the device's own. Since nothing moves, every scan is recent
+    enough: the time of each stop is 0. A diversion is queued, and done when the belt is asked for it.
 
     Parameters
     ----------
@@ -23,6 +33,7 @@ class DryRun(Layer):
     def __init__(self, say: Say) -> None:
         self._say = say
         self._done: dict[str, Act] = {}
+        self._diverted: set[str] = set()
 
     def command(self, _send: Send, request: Request) -> float:
         """Print a command, once for each id."""
@@ -40,6 +51,20 @@ class DryRun(Layer):
     def outcome_of(self, _ask: Callable[[str], Outcome], command_id: str) -> Outcome:
         """Return `DONE` for a command that was printed."""
         return Outcome.DONE if command_id in self._done else Outcome.NOT_DONE
+
+    def divert(self, _send: Divert, request: DivertRequest) -> DiversionStatus:
+        """Print a diversion, once for each id."""
+        if request.command_id not in self._diverted:
+            self._diverted.add(request.command_id)
+            where = f"object {request.number} at {request.coordinate:.3f} m into bin {request.label}"
+            self._say(f"dry run: divert({where}), {request.command_id}")
+        return DiversionStatus(Diversion.QUEUED, request.boot_id)
+
+    def diversion(self, _ask: AskDiversion, query: DiversionQuery) -> DiversionStatus:
+        """Return `DONE` for a diversion that was printed."""
+        if query.command_id in self._diverted:
+            return DiversionStatus(Diversion.DONE, query.boot_id)
+        return DiversionStatus(Diversion.NOT_DONE, query.boot_id, "it was not printed", retry=True)
 
     def stop(self, _stop: Callable[[], None]) -> None:
         """Do nothing, since nothing moves."""

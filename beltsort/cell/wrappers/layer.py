@@ -6,6 +6,7 @@ from functools import partial
 from typing import Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from beltsort.cell.commands import Act, AdvanceTo, MoveTo, Outcome, SortInto
+from beltsort.cell.diverting import BeltReading, DiversionStatus
 from beltsort.cell.protocols import Health, Scan
 from beltsort.geometry import Pose
 
@@ -51,10 +52,59 @@ class ScanRequest:
     timeout: float
 
 
+@dataclass(frozen=True)
+class DivertRequest:
+    """A diversion on its way to a belt.
+
+    Attributes
+    ----------
+    command_id
+        The belt queues it at most once.
+    number
+        Number of the object.
+    coordinate
+        The object's, metres.
+    label
+        Index of the bin, or the belt's number of it.
+    boot_id
+        That for which the coordinate holds.
+    timeout
+        Timeout, seconds.
+    """
+
+    command_id: str
+    number: int
+    coordinate: float
+    label: int
+    boot_id: str
+    timeout: float
+
+
+@dataclass(frozen=True)
+class DiversionQuery:
+    """A question about a diversion.
+
+    Attributes
+    ----------
+    command_id, boot_id
+        Those with which it was sent.
+    timeout
+        Timeout, seconds.
+    """
+
+    command_id: str
+    boot_id: str
+    timeout: float
+
+
 Send: TypeAlias = Callable[[Request], float]
 """Executes a command; returns the time of the stop, seconds on the cell's clock, or 0 for a sort."""
 Take: TypeAlias = Callable[[ScanRequest], Scan]
 """Takes a scan."""
+Divert: TypeAlias = Callable[[DivertRequest], DiversionStatus]
+"""Queues a diversion."""
+AskDiversion: TypeAlias = Callable[[DiversionQuery], DiversionStatus]
+"""Returns the state of a diversion."""
 
 
 class Layer:
@@ -91,6 +141,18 @@ class Layer:
     def position(self, ask: Callable[[], int | None]) -> int | None:
         """Pass a query for the belt's position on."""
         return ask()
+
+    def reading(self, ask: Callable[[float], BeltReading], timeout: float) -> BeltReading:
+        """Pass a query for a reading of the belt's encoder on."""
+        return ask(timeout)
+
+    def divert(self, send: Divert, request: DivertRequest) -> DiversionStatus:
+        """Pass a diversion on."""
+        return send(request)
+
+    def diversion(self, ask: AskDiversion, query: DiversionQuery) -> DiversionStatus:
+        """Pass a query for the state of a diversion on."""
+        return ask(query)
 
 
 def through(

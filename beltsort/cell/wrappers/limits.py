@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from beltsort.cell.commands import AdvanceTo, CommandError, MoveTo, Outcome, SortInto
-from beltsort.cell.wrappers.layer import Layer, Request, Send
+from beltsort.cell.diverting import DiversionStatus
+from beltsort.cell.wrappers.layer import Divert, DivertRequest, Layer, Request, Send
 
 
 class Limits(Layer):
@@ -30,6 +31,11 @@ class Limits(Layer):
                 _check_index("label", bin, self._bins)
             case AdvanceTo(index):
                 self._check_forward(index)
+        return send(request)
+
+    def divert(self, send: Divert, request: DivertRequest) -> DiversionStatus:
+        """Pass a diversion into a known bin on; reject others."""
+        _check_index("label", request.label, self._bins)
         return send(request)
 
     def _check_forward(self, index: int) -> None:

@@ -6,8 +6,20 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from beltsort.cell.commands import Outcome
+from beltsort.cell.diverting import BeltReading, DiversionStatus
 from beltsort.cell.protocols import Health, Scan
-from beltsort.cell.wrappers.layer import METHODS, Layer, Request, ScanRequest, Send, Take
+from beltsort.cell.wrappers.layer import (
+    METHODS,
+    AskDiversion,
+    DiversionQuery,
+    Divert,
+    DivertRequest,
+    Layer,
+    Request,
+    ScanRequest,
+    Send,
+    Take,
+)
 from beltsort.geometry import Pose
 
 Result = TypeVar("Result")
@@ -21,7 +33,7 @@ class Call:
     ----------
     name
         The method: `move_to`, `scan`, `advance_to`, `sort`, `health`, `stop`, `outcome_of`,
-        `flange_pose` or `position`.
+        `flange_pose`, `position`, `reading`, `divert` or `diversion`.
     target
         Viewpoint, index, label, or the scan's `not_before`; None if the method has none.
     command_id
@@ -104,6 +116,20 @@ class Recorder(Layer):
     def position(self, ask: Callable[[], int | None]) -> int | None:
         """Record a query."""
         return self._recorded(Call("position"), ask)
+
+    def reading(self, ask: Callable[[float], BeltReading], timeout: float) -> BeltReading:
+        """Record a query."""
+        return self._recorded(Call("reading", timeout=timeout), lambda: ask(timeout))
+
+    def divert(self, send: Divert, request: DivertRequest) -> DiversionStatus:
+        """Record a diversion."""
+        call = Call("divert", request.label, request.command_id, request.timeout)
+        return self._recorded(call, lambda: send(request))
+
+    def diversion(self, ask: AskDiversion, query: DiversionQuery) -> DiversionStatus:
+        """Record a query."""
+        call = Call("diversion", command_id=query.command_id, timeout=query.timeout)
+        return self._recorded(call, lambda: ask(query))
 
     def _recorded(self, call: Call, act: Callable[[], Result]) -> Result:
         began, start = time.time(), time.perf_counter()

@@ -3,6 +3,7 @@
 from typing import Generic, TypeVar
 
 from beltsort.cell.commands import TIMEOUT, Act, AdvanceTo, MoveTo, Outcome, SortInto
+from beltsort.cell.diverting import BeltReading, DiversionStatus, DivertingBelt
 from beltsort.cell.protocols import (
     Actuator,
     Arm,
@@ -15,7 +16,15 @@ from beltsort.cell.protocols import (
     TellsFlangePose,
     TellsPosition,
 )
-from beltsort.cell.wrappers.layer import Layer, Request, ScanRequest, Send, through
+from beltsort.cell.wrappers.layer import (
+    DiversionQuery,
+    DivertRequest,
+    Layer,
+    Request,
+    ScanRequest,
+    Send,
+    through,
+)
 from beltsort.geometry import Pose
 
 AnyDevice = TypeVar("AnyDevice", bound=Device)
@@ -100,6 +109,52 @@ class WrappedBelt(_WrappedActuator[Belt]):
         if not isinstance(self._device, TellsPosition):
             return None
         return through(self._layers, lambda layer: layer.position, self._device.position)()
+
+
+class WrappedDivertingBelt(_Wrapped[DivertingBelt]):
+    """A wrapped belt that never stops."""
+
+    def reading(self, *, timeout: float = TIMEOUT) -> BeltReading:
+        """Return a reading of the encoder."""
+
+        def ask(seconds: float, /) -> BeltReading:
+            return self._device.reading(timeout=seconds)
+
+        return through(self._layers, lambda layer: layer.reading, ask)(timeout)
+
+    def divert(
+        self,
+        command_id: str,
+        *,
+        number: int,
+        coordinate: float,
+        label: int,
+        boot_id: str,
+        timeout: float = TIMEOUT,
+    ) -> DiversionStatus:
+        """Queue a diversion."""
+
+        def divert(request: DivertRequest) -> DiversionStatus:
+            return self._device.divert(
+                request.command_id,
+                number=request.number,
+                coordinate=request.coordinate,
+                label=request.label,
+                boot_id=request.boot_id,
+                timeout=request.timeout,
+            )
+
+        request = DivertRequest(command_id, number, coordinate, label, boot_id, timeout)
+        return through(self._layers, lambda layer: layer.divert, divert)(request)
+
+    def diversion(self, command_id: str, *, boot_id: str, timeout: float = TIMEOUT) -> DiversionStatus:
+        """Return the state of a diversion."""
+
+        def ask(query: DiversionQuery) -> DiversionStatus:
+            return self._device.diversion(query.command_id, boot_id=query.boot_id, timeout=query.timeout)
+
+        query = DiversionQuery(command_id, boot_id, timeout)
+        return through(self._layers, lambda layer: layer.diversion, ask)(query)
 
 
 class WrappedSorter(_WrappedActuator[Sorter]):

@@ -13,7 +13,7 @@ import pytest
 
 from beltsort.cellfile.composed import compose
 from beltsort.cellfile.description import CellDescription
-from beltsort.cellfile.registry import ROLES
+from beltsort.cellfile.roles import ROLES
 from beltsort.sim import CellConfig
 from beltsort.sim.prepare import prepare
 from tests.docs.pages import ROOT, PageRun, blocks_of

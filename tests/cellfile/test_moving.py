@@ -1,0 +1,126 @@
+"""Cell files with [moving]: a belt that never stops."""
+
+from pathlib import Path
+
+import pytest
+
+import beltsort
+from beltsort.cell import Diversion, DivertingCell, MoveTo
+from beltsort.cell.wrappers.recorder import Recorded
+from beltsort.cellfile.composed import compose
+from beltsort.cellfile.composed_moving import ComposedMovingCell, compose_moving
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.moving import moving_planner
+from beltsort.cellfile.problems import CellFileError
+from beltsort.sorting.command import Command
+
+EXAMPLE = Path(__file__).parents[2] / "beltsort" / "cellfile" / "examples" / "moving.toml"
+BELT = '[belt]\nbackend = "simulated"'
+DRY_RUN = (('"simulated"', '"dry-run"'), ("[backends.simulated]\nseed = 0\n", ""))
+"""Changes after which no device of the example is there."""
+
+
+def changed(folder: Path, *changes: tuple[str, str]) -> Path:
+    """Write the example with pieces of its text replaced, and return its path."""
+    text = EXAMPLE.read_text()
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new)
+    path = folder / "moving.toml"
+    path.write_text(text)
+    return path
+
+
+def composed(path: Path, calls: list[Recorded] | None = None) -> ComposedMovingCell:
+    record = None if calls is None else calls.append
+    return compose_moving(CellDescription.load(path), live=False, say=print, record=record)
+
+
+def test_the_example_gives_the_belt_that_is_planned_for() -> None:
+    description = CellDescription.load(EXAMPLE)
+    assert description.moving is not None
+    assert description.moving.speed(description.belt.spacing) == pytest.approx(0.03)
+    belt = description.moving.belt(beltsort.models.paper())
+    assert (belt.ticks_per_place, belt.reach, belt.seconds_per_tick) == (12, 2, 0.5)
+    action = moving_planner(description.planner, belt).act(belt.belief(), 0)
+    assert isinstance(action, beltsort.Move)
+
+
+def test_prices_are_by_class(tmp_path: Path) -> None:
+    prices = "reach = 2\nmissed = { standard = 4, mushroom = 3, livarno = 2, elongated = 1 }"
+    description = CellDescription.load(changed(tmp_path, ("reach = 2", prices)))
+    assert description.moving is not None
+    assert [description.moving.missed[name] for name in description.classes] == [1, 2, 3, 4]
+    description.moving.belt(beltsort.models.paper())
+
+
+WRONG = [
+    ("[moving]", '[sorter]\nbackend = "simulated"\n[moving]', r"^sorter: is given.*leave it out"),
+    ("objects = 20", "objects = 20\nbelt_ends = true", r"^belt_ends: is true"),
+    ("objects = 20", "objects = 20\nreject_bin = 9", r"^reject_bin: is given"),
+    ("objects = 20", "objects = 20\ndrift = {}", r"^drift: is given"),
+    ("objects = 20", "objects = 20\nrules = {max_looks = 3}", r"^rules\.max_looks: is 3.*empty_looks"),
+    ("objects = 20", "objects = 20\nfaults = {seed = 1}", r"^faults: is given"),
+    ("trials = 10", 'policy = "threshold:0.9"', r'^planner\.policy: is "threshold:0\.9".*"despot"'),
+    ("reach = 2", "reach = 3", r"^moving\.reach: is 3, expected at most 2"),
+    ("[[0, 4, 4], ", "[", r"^moving\.move_ticks: has rows of \[3, 3\] numbers, expected 3 rows of 3"),
+    ("reach = 2", "missed = {standrd = 1}", r"^moving\.missed\.standrd: is no class.*'standard'"),
+    ("reach = 2", "missed = {standard = 1}", r"^moving\.missed: has no price of \['elongated'"),
+    ("ticks_per_place = 12", "", r"^moving\.ticks_per_place: is missing"),
+    ("seconds_per_tick = 0.5", "seconds_per_tick = 0", r"^moving\.seconds_per_tick: is 0"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "told"), WRONG)
+def test_a_contradiction_is_told_with_its_key(tmp_path: Path, old: str, new: str, told: str) -> None:
+    with pytest.raises(CellFileError, match=told):
+        CellDescription.load(changed(tmp_path, (old, new)))
+
+
+def test_a_back_end_that_cannot_divert_is_told_with_those_that_can(tmp_path: Path) -> None:
+    with pytest.raises(CellFileError, match=r"^belt\.backend: is 'ros2', which cannot divert.*simulated"):
+        composed(changed(tmp_path, (BELT, '[belt]\nbackend = "ros2"')))
+
+
+def test_a_simulated_camera_needs_a_simulated_belt(tmp_path: Path) -> None:
+    with pytest.raises(CellFileError, match="belt is not simulated"):
+        composed(changed(tmp_path, (BELT, '[belt]\nbackend = "dry-run"')))
+
+
+def test_a_cell_that_stops_is_not_composed_of_it() -> None:
+    with pytest.raises(CellFileError, match=r"^moving: is given"):
+        compose(CellDescription.load(EXAMPLE), live=False, say=print)
+
+
+def test_the_simulated_cell_diverts_moves_and_scans(tmp_path: Path) -> None:
+    calls: list[Recorded] = []
+    cell: DivertingCell = composed(changed(tmp_path), calls)
+    reading = cell.belt.reading()
+    queued = cell.belt.divert("a", number=0, coordinate=0.18, label=3, boot_id=reading.boot_id)
+    assert queued.state is Diversion.QUEUED
+    stop = cell.arm.move_to(1, Command("b", MoveTo(1), "").id)
+    assert cell.camera.scan(not_before=stop).stamp >= stop
+    cell.wait(60.0)
+    assert cell.belt.diversion("a", boot_id=reading.boot_id).state is Diversion.DONE
+    moved, passed = cell.belt.reading(), cell.belt.reading().stamp - reading.stamp
+    assert moved.travel - reading.travel == pytest.approx(0.03 * passed, abs=1e-6)
+    cell.belt.stop()
+    cell.wait(1.0)
+    assert not cell.belt.reading().moving
+    assert cell.belt.reading().travel == moved.travel
+    names = [(call.device, call.call.name) for call in calls]
+    assert names[:4] == [("belt", "reading"), ("belt", "divert"), ("arm", "move_to"), ("camera", "scan")]
+
+
+def test_the_belt_gets_the_numbers_of_the_cell_files_bins(tmp_path: Path) -> None:
+    bins = "objects = 20\nbins = {elongated = 4, livarno = 5, mushroom = 6, standard = 7}"
+    path = changed(tmp_path, *DRY_RUN, ("objects = 20", bins))
+    cell = composed(path)
+    assert cell.bin_numbers == (4, 5, 6, 7)
+    reading = cell.belt.reading()
+    told = cell.belt.divert("a", number=0, coordinate=0.2, label=1, boot_id=reading.boot_id)
+    assert told.state is Diversion.QUEUED
+    assert cell.belt.diversion("a", boot_id=reading.boot_id).state is Diversion.DONE
+    assert cell.belt.diversion("b", boot_id=reading.boot_id).state is Diversion.NOT_DONE
+    with pytest.raises(beltsort.BeltsortError, match="label is 4"):
+        cell.belt.divert("c", number=1, coordinate=0.4, label=4, boot_id=reading.boot_id)
