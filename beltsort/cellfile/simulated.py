@@ -6,6 +6,7 @@ from itertools import chain, islice, repeat
 from typing import TYPE_CHECKING
 
 from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.moving import Moving
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.registry import backend_of
 from beltsort.cellfile.roles import TABLES
@@ -54,8 +55,8 @@ class SimulatedOptions:
     meshes: Mapping[str, str | tuple[str, ...]] = field(default_factory=dict)
 
 
-def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell | SimulatedDivertingCell":
-    """Return the simulated cell of a cell file.
+def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
+    """Return the simulated cell of a cell file whose belt stops.
 
     Raises
     ------
@@ -66,8 +67,6 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell | S
 
     config = config_of(cell, options)
     labels = true_labels(options, cell)
-    if cell.moving is not None:
-        return _make_moving(options, cell, config, labels)
     number = 0 if cell.objects is None else max(cell.objects, len(options.true_labels))
     return SimulatedCell(
         list(islice(labels, number)),
@@ -80,21 +79,25 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell | S
     )
 
 
-def _make_moving(
-    options: SimulatedOptions, cell: CellDescription, config: CellConfig, labels: Iterator[int | None]
-) -> "SimulatedDivertingCell":
-    """Return the simulated cell of a cell file with [moving]."""
+def make_moving(options: SimulatedOptions, cell: CellDescription, moving: Moving) -> "SimulatedDivertingCell":
+    """Return the simulated cell of a cell file whose belt never stops.
+
+    Raises
+    ------
+    CellFileError
+        As `make`, or if a device is not simulated.
+    """
     from beltsort.cellfile.simulated_moving import SimulatedDivertingCell, diverters
 
-    assert cell.moving is not None
     if others := not_simulated(cell):
         raise CellFileError.of(
             "",
             f"{', '.join(others)} is not {NAME}, expected all devices to be: a simulated belt moves with the "
             "clock of its cell",
         )
-    machine = diverters(cell.moving.speed(cell.belt.spacing), len(cell.bin_names))
-    return SimulatedDivertingCell(labels, machine, config, options.seed, cell.moving.exposure)
+    machine = diverters(moving.speed(cell.belt.spacing), len(cell.bin_names))
+    config, labels = config_of(cell, options), true_labels(options, cell)
+    return SimulatedDivertingCell(labels, machine, config, options.seed, moving.exposure)
 
 
 def trainable_config(cell: CellDescription) -> CellConfig:
@@ -175,4 +178,8 @@ def true_labels(options: SimulatedOptions, cell: CellDescription) -> Iterator[in
     return (choice[rng.integers(len(choice))] for _ in repeat(None))
 
 
-BACKEND = backend_of(SimulatedOptions, make, shared=True, harmless=True, numbered=False)
+def _made(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell | SimulatedDivertingCell":
+    return make(options, cell) if cell.moving is None else make_moving(options, cell, cell.moving)
+
+
+BACKEND = backend_of(SimulatedOptions, _made, shared=True, harmless=True, numbered=False)
