@@ -8,7 +8,12 @@ import numpy as np
 from beltsort._core import SortingModel
 from beltsort.cell import Scan
 from beltsort.cellfile.simulated_moving import SimulatedDiverters, diverters
-from beltsort.drivers.fieldbus.diversions import DiversionPhase, DiversionReply, DiversionRequest
+from beltsort.drivers.fieldbus.diversions import (
+    DiversionPhase,
+    DiversionReply,
+    DiversionRequest,
+    DiversionVerb,
+)
 from beltsort.geometry import BeltLayout, Points
 from beltsort.perception import Finding, Perceived
 from beltsort.sim import BeltDrive, CellConfig, MovingCell
@@ -32,10 +37,11 @@ class FaultyBelt(SimulatedDiverters):
         super().__init__(cell, machine)
 
     def answer(self, request: DiversionRequest) -> DiversionReply:
-        if self.unreachable(request.verb.name):
+        verb = DiversionVerb(request.verb).name
+        if self.unreachable(verb):
             raise ConnectionError("the request was lost")
         reply = super().answer(request)
-        if self.lost(request.verb.name):
+        if self.lost(verb):
             raise ConnectionError("the reply was lost")
         return reply
 
