@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 
 from beltsort.cell.arrival import Deviation, deviation_from, viewpoint_poses
 from beltsort.cell.commands import CommandError
+from beltsort.cell.diverting import DivertingCell
 from beltsort.cell.frames import from_matrix
 from beltsort.cell.protocols import Cell, Health
 from beltsort.cell.stopping import stopping
@@ -84,11 +85,13 @@ def check_cell(cell: Cell, limits: CheckLimits) -> CellCheck:
     return found
 
 
-def ask_health(cell: Cell, found: CellCheck) -> None:
+def ask_health(cell: Cell | DivertingCell, found: CellCheck) -> None:
     """Store each device's health in `found`, and a message for each device that is not ready."""
     for role in ROLES:
+        if (device := getattr(cell, role, None)) is None:  # a belt that never stops needs no sorter
+            continue
         try:
-            health = found.health[role] = getattr(cell, role).health()
+            health = found.health[role] = device.health()
         except CommandError as failure:
             found.exceeded.append(f"{role}: {failure}")
             continue

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beltsort import SortingModel
+from beltsort.cellfile.moving_run import MovingRun
 from beltsort.cellfile.run import CellRun, true_class_of
-from beltsort.planning.bins import sorting_statistics
+from beltsort.planning.bins import SortingStatistics, sorting_statistics
+from beltsort.sorting.moving.report import MovingReport
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.runs import plain_decision
 from beltsort.util.text import number_or_none
@@ -32,6 +34,34 @@ def as_json(run: CellRun, report: SortingReport) -> dict[str, Any]:
         "stopped_by": report.stopped_by,
         "folder": str(run.folder),
     }
+
+
+def moving_as_json(run: MovingRun, report: MovingReport) -> dict[str, Any]:
+    """Return the results of a run on a belt that never stops as plain data; see `as_json`."""
+    model = run.belt.model
+    known = _sorted(model, confusion_of_moving(report)) if run.knows_classes else {}
+    return {
+        "objects": report.objects,
+        "fates": {str(fate): number for fate, number in report.fates.items()},
+        "bins": dict(zip(model.bins, report.bins, strict=True)),
+        **known,
+        "scans": report.scans,
+        "dry_run": list(run.cell.dry_run),
+        "stopped_by": report.stopped_by,
+        "folder": str(run.folder),
+    }
+
+
+def statistics_of(run: MovingRun, report: MovingReport) -> SortingStatistics | None:
+    """Return how well the objects in bins were sorted; None if no device knows classes."""
+    if not run.knows_classes:
+        return None
+    return sorting_statistics(run.belt.model, confusion_of_moving(report))
+
+
+def confusion_of_moving(report: MovingReport) -> NDArray[np.uint64]:
+    """Return the number of objects by bin and true class, shape (B, L)."""
+    return np.array(report.confusion, dtype=np.uint64)
 
 
 def confusion_of(run: CellRun, report: SortingReport) -> NDArray[np.uint64] | None:

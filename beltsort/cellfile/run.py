@@ -12,14 +12,15 @@ from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.check import CellCheck, ask_health
 from beltsort.cellfile.composed import ComposedCell, compose
+from beltsort.cellfile.composed_moving import ComposedMovingCell
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.ingredients import model_and_classifier, model_file, policy_of
+from beltsort.cellfile.run_folder import RunCalls, prune_for, write_about
 from beltsort.errors import CellError
 from beltsort.perception import Classifier, perception_for
 from beltsort.planning.policy import Policy
 from beltsort.rrd import Recorder
 from beltsort.sim.prepare import StageProgress
-from beltsort.sorting.call_log import CallLog
 from beltsort.sorting.heeding import Check, nothing
 from beltsort.sorting.holds import NUMBER, HeldError, Hold, Operator, Way, nobody
 from beltsort.sorting.journal import Journal, Listeners, listeners_of
@@ -31,14 +32,9 @@ from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import SortingReport
 from beltsort.sorting.requests import drop_requests, taking_requests
-from beltsort.sorting.retention import prune_quietly
 from beltsort.sorting.runs import (
-    CELL,
-    DRY_RUN,
     LOCK,
-    POLICY,
     make_folder,
-    run_name,
     sort_into,
     write_true_classes,
 )
@@ -150,13 +146,11 @@ class CellRun:
                 )
         first = self._first_object()
         check_ready(self.cell)
-        (self.folder / POLICY).write_text(f"{self.policy_name}\n", "utf-8")
-        (self.folder / CELL).write_text(f"{description.file.resolve()}\n", "utf-8")
+        write_about(self.folder, description, self.policy_name)
         true = true_class_of(self.devices)
         if true is not None and description.objects is not None:
             write_true_classes(self.folder, first, [true(first + n) for n in range(description.objects)])
-        if description.keep_runs is not None:
-            prune_quietly(self.folder.parent, keep=description.keep_runs, cell=description.file)
+        prune_for(self.folder, description)
         return sort_into(
             self.folder,
             self.cell,
@@ -232,21 +226,12 @@ def open_run(
         model = model_file(description)
     if model is not None:
         description = with_bins_of(model, description)
-    calls = CallLog(runs / run_name() if resume is None else resume)
-
-    def record(recorded: Recorded) -> None:
-        calls(recorded)
-        called(recorded)
-
+    calls = RunCalls(runs, resume, called)
     devices: list[object] = []
-    cell = compose(description, live=live, say=say, record=record, made=devices.append)
-    if resume is not None and bool(cell.dry_run) != resume.name.endswith(DRY_RUN):
-        kind, remedy = ("a dry run", "without") if resume.name.endswith(DRY_RUN) else ("a live run", "with")
-        raise CellError(f"{resume} is {kind}, expected to be resumed as it began: resume it {remedy} --live")
+    cell = compose(description, live=live, say=say, record=calls, made=devices.append)
+    folder = calls.folder(dry_run=bool(cell.dry_run))
     if broken_off is not None:
         restore(devices, broken_off)
-    if cell.dry_run and resume is None:
-        calls.folder = runs / f"{calls.folder.name}{DRY_RUN}"
     model, classifier = model_and_classifier(description, model, progress)
     policy, name = policy_of(description, model, resume)
     return CellRun(
@@ -256,7 +241,7 @@ def open_run(
         classifier,
         policy,
         name,
-        calls.folder,
+        folder,
         broken_off,
         first,
         devices,
@@ -321,7 +306,7 @@ def home(devices: Sequence[object], index: int) -> None:
         belt.home(index)
 
 
-def check_ready(cell: ComposedCell) -> None:
+def check_ready(cell: ComposedCell | ComposedMovingCell) -> None:
     """Check that every device is ready.
 
     Raises

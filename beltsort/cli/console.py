@@ -1,12 +1,14 @@
 """A console for runs, which must continue after the reader of their output has closed the pipe."""
 
 import os
+import sys
+from collections.abc import Mapping
 from contextlib import suppress
-from typing import IO
+from typing import IO, Any
 
 from rich.console import Console
 
-from beltsort.cli.output import print_status
+from beltsort.cli.output import print_json, print_status
 
 
 class RunConsole(Console):
@@ -38,3 +40,12 @@ def discard(stream: IO[str]) -> None:
     os.close(null)
     with suppress(OSError):  # standard error may be closed as well
         print_status("beltsort: standard output was closed; further output is discarded")
+
+
+def print_last_json(result: Mapping[str, Any]) -> None:
+    """Print one JSON object as the last output; nothing if the reader has closed the pipe."""
+    try:
+        print_json(result)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        discard(sys.stdout)

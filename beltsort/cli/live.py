@@ -36,6 +36,14 @@ def run_display(console: RunConsole) -> Iterator[Listener]:
         with LiveView(console) as view:
             yield view
         return
+    yield run_lines(console)
+
+
+def run_lines(console: RunConsole) -> Listener:
+    """Return a listener of the journal that prints a line for each event.
+
+    Once the console is closed, the listener raises an `OSError`, which the journal records.
+    """
     formatter = EntryFormatter()
 
     def listen(entry: Entry) -> None:
@@ -44,7 +52,7 @@ def run_display(console: RunConsole) -> Iterator[Listener]:
         if console.closed:
             raise OSError("the reader of the output has closed the pipe")
 
-    yield listen
+    return listen
 
 
 class LiveView:

@@ -11,6 +11,7 @@ from beltsort.cli.output import print_status
 
 if TYPE_CHECKING:
     from beltsort.cell.wrappers.recorder import Recorded
+    from beltsort.cellfile.moving_run import MovingRun
     from beltsort.cellfile.run import CellRun
     from beltsort.monitoring.log_file import LogFile
     from beltsort.monitoring.metrics import RunMetrics
@@ -57,7 +58,7 @@ class Monitoring:
         if self.metrics is not None:
             self.metrics.called(recorded)
 
-    def opened(self, run: "CellRun") -> None:
+    def opened(self, run: "CellRun | MovingRun") -> None:
         """Hear which run it is."""
         if self.metrics is not None:
             self.metrics.folder = run.folder

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from beltsort.cellfile.composed import ComposedCell
+    from beltsort.cellfile.composed_moving import ComposedMovingCell
     from beltsort.cellfile.description import CellDescription
 
 
@@ -63,7 +64,9 @@ def print_table(rows: Sequence[Sequence[str]]) -> None:
     print(text_table(rows))
 
 
-def print_cell_mode(console: "Console", description: "CellDescription", cell: "ComposedCell") -> None:
+def print_cell_mode(
+    console: "Console", description: "CellDescription", cell: "ComposedCell | ComposedMovingCell"
+) -> None:
     """Print whether faults are injected, and which devices are in a dry run."""
     if description.faults is not None:
         console.print(

@@ -1,25 +1,23 @@
 """`beltsort run`: sort with the cell of a cell file."""
 
 import shlex
-import sys
 from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from beltsort import ArgumentError, BeltsortError
+from beltsort import ArgumentError
 from beltsort.cli.arguments import Subparsers, add_cell, add_json, add_rrd
-from beltsort.cli.exit_codes import NEEDS_PERSON, TRY_AGAIN
-from beltsort.cli.monitoring import Monitoring, add_monitoring, monitoring, monitoring_words
+from beltsort.cli.monitoring import Monitoring, add_monitoring, monitoring
 from beltsort.cli.operator import CommandLineOperator
-from beltsort.cli.output import print_cell_mode, print_json, print_recording, print_status
+from beltsort.cli.output import print_cell_mode, print_recording, print_status
 from beltsort.cli.progress import stage_progress
+from beltsort.cli.resuming import print_resuming, report_or_code, run_to_resume
 from beltsort.cli.ros2 import ros2_node
 from beltsort.cli.signs_of_life import SignsOfLife, check_watchdog
 from beltsort.planning.named_policy import HELP, located_policy
-from beltsort.sorting.holds import Answer, HeldError, Hold
+from beltsort.sorting.holds import Answer
 from beltsort.sorting.interrupts import Interrupts
-from beltsort.sorting.journal_files import JOURNAL
-from beltsort.sorting.runs import LATEST, RUNS, make_folder, unfinished_run
+from beltsort.sorting.runs import RUNS, make_folder
 from beltsort.util.notify import ServiceManager
 
 if TYPE_CHECKING:
@@ -104,8 +102,9 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
     """Sort, print the result and return the exit code."""
     from beltsort.cellfile.results import as_json
     from beltsort.cellfile.run import open_run, true_class_of
-    from beltsort.cli.console import RunConsole, discard
+    from beltsort.cli.console import RunConsole, print_last_json
     from beltsort.cli.live import run_display
+    from beltsort.cli.run_moving import sort_on_moving_belt
     from beltsort.perception.checks import counted_warnings
     from beltsort.rrd import Recorder
     from beltsort.rrd.package import load_rerun
@@ -118,6 +117,8 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
     check_watchdog(manager, description)
     runs = make_folder(RUNS)
     resume = run_to_resume(arguments, description)
+    if description.moving is not None:
+        return sort_on_moving_belt(arguments, description, watching, manager, resume)
     with stage_progress(console) as stage:
         opened = open_run(
             description,
@@ -147,63 +148,28 @@ def sort(arguments: Namespace, watching: Monitoring) -> int:
     with interrupts, ros2_node(opened) as node, run_display(console) as display:
         try:
             with counted_warnings():
-                report = opened.sort(
-                    *((*watching.listeners, node, signs.listen, display), operator, signs.check),
-                    allow_hold=arguments.allow_hold,
-                    recorder=recorder,
-                    scan_listener=None if node is None else node.scanned,
+                report = report_or_code(
+                    lambda: opened.sort(
+                        *((*watching.listeners, node, signs.listen, display), operator, signs.check),
+                        allow_hold=arguments.allow_hold,
+                        recorder=recorder,
+                        scan_listener=None if node is None else node.scanned,
+                    ),
+                    arguments,
+                    opened.folder,
+                    homable=opened.homable,
                 )
-        except HeldError as held:
-            print_status(f"beltsort: {held}")
-            for line in ways_to_resume(held.hold, arguments, opened):
-                print_status(f"    {line}")
-            return NEEDS_PERSON if held.hold.person else TRY_AGAIN
-        except (BeltsortError, KeyboardInterrupt):
-            if (opened.folder / JOURNAL).exists():
-                print_status(f"beltsort: to resume: {shlex.join(resume_command(arguments, opened))}")
-            raise
         finally:
             manager.tell("STOPPING=1")
+    if isinstance(report, int):
+        return report
     print_result(console, opened, report)
     if report.stopped_by is not None:
-        print_status(f"beltsort: to resume: {shlex.join(resume_command(arguments, opened))}")
+        print_resuming(arguments, opened.folder)
     print_recording(arguments.rrd)
     if arguments.json:
-        try:
-            print_json(as_json(opened, report))
-            sys.stdout.flush()
-        except BrokenPipeError:
-            discard(sys.stdout)
+        print_last_json(as_json(opened, report))
     return 0
-
-
-def ways_to_resume(hold: Hold, arguments: Namespace, opened: "CellRun") -> list[str]:
-    """Return a line for each way to resume a held run (or to start it): its condition and its commands."""
-    lines = []
-    for way in hold.ways:
-        settle = [] if way.answer is None else ["--settle", way.answer.value]
-        command = shlex.join([*resume_command(arguments, opened), *settle])
-        if way.home is not None and opened.homable:
-            homing = ["beltsort", "home", arguments.cell, str(way.home), "--live"]
-            command = f"{shlex.join(homing)} && {command}"
-        elif way.home is not None:
-            command = f"bring the belt to object {way.home} with its own controls, then {command}"
-        lines.append(f"{way.when}: {command}")
-    return lines
-
-
-def resume_command(arguments: Namespace, opened: "CellRun") -> list[str]:
-    """Return the command line that resumes the run, or starts it if it has no journal yet."""
-    words = ["beltsort", "run", arguments.cell, *(["--live"] if arguments.live else [])]
-    words += ["--allow-hold"] if arguments.allow_hold else []
-    words += monitoring_words(arguments)
-    if arguments.objects is not None:
-        words += ["--objects", str(arguments.objects)]
-    if arguments.policy is not None:
-        words += ["--policy", arguments.policy]
-    if (opened.folder / JOURNAL).exists():
-        words += ["--resume", str(opened.folder)]
-    return words
 
 
 def load_description(arguments: Namespace) -> "CellDescription":
@@ -241,36 +207,6 @@ def number_of_objects(text: str) -> int | str:
         return int(text)
     except ValueError as reason:
         raise ArgumentTypeError(f"{text!r}: expected a number, or `{UNLIMITED}`") from reason
-
-
-def run_to_resume(arguments: Namespace, description: "CellDescription") -> Path | None:
-    """Return the folder of the run that is to be resumed; None for a new run.
-
-    Raises
-    ------
-    ArgumentError
-        If the newest run is to be resumed and there is none that is not finished.
-    """
-    from beltsort.cellfile.making import roles_in_dry_run
-
-    given: Path | None = arguments.resume
-    if given != LATEST and not arguments.service:
-        return given
-    dry_run = bool(roles_in_dry_run(description, live=arguments.live))
-    folder = unfinished_run(RUNS, Path(arguments.cell), dry_run=dry_run)
-    if folder is None and not arguments.service:
-        raise ArgumentError(
-            f"--resume latest: the newest run of {arguments.cell} in {RUNS}/ is finished, or there is none; "
-            "leave --resume out to start another"
-        )
-    if folder is not None and arguments.first_object is not None:
-        raise ArgumentError(
-            f"--first-object {arguments.first_object} is for a new run, and {folder} is not finished: leave "
-            "it out"
-        )
-    if folder is not None:
-        print_status(f"beltsort: {folder} is resumed")
-    return folder
 
 
 def print_result(console: "Console", opened: "CellRun", report: "SortingReport") -> None:

@@ -11,6 +11,8 @@ from beltsort.sorting.audit import StepReader, with_steps, write_csv
 from beltsort.sorting.entry_text import EntryFormatter
 from beltsort.sorting.first_entry import model_of
 from beltsort.sorting.journal import Entry, entries_of_journal, read_journal
+from beltsort.sorting.moving.reading import is_moving, moving_state_in
+from beltsort.sorting.moving.report import MovingReport
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.run_state import LATEST
 from beltsort.sorting.runs import journal_of, plain_decision
@@ -47,7 +49,9 @@ def run(arguments: Namespace) -> int:
     if arguments.csv is not None:
         written = write_csv(entries_of_journal(journal), arguments.csv)
         print_status(f"{written} entries written to {arguments.csv}")
-    if arguments.json:
+    if is_moving(journal):
+        show_moving(journal, as_json=arguments.json)
+    elif arguments.json:
         print_json(as_json(read_journal(journal)))
     else:
         show(entries_of_journal(journal))
@@ -71,6 +75,34 @@ def as_json(entries: Sequence[Entry]) -> dict[str, object]:
         "pose_faults": progress.pose_faults,
         "entries": [{**entry.plain(), "step": step} for entry, step in with_steps(entries)],
     }
+
+
+def show_moving(journal: Path, *, as_json: bool) -> None:
+    """Print a run on a belt that never stops, as text or JSON."""
+    state = moving_state_in(journal)
+    report, bins = MovingReport.of(state), state.belt.model.bins
+    fates = {str(fate): number for fate, number in report.fates.items()}
+    if as_json:
+        print_json(
+            {
+                "run": state.run,
+                "objects": state.objects,
+                "left_belt": report.objects,
+                "fates": fates,
+                "bins": dict(zip(bins, report.bins, strict=True)),
+                "scans": report.scans,
+                "entries": [entry.plain() for entry in entries_of_journal(journal)],
+            }
+        )
+        return
+    formatter = EntryFormatter()
+    print("time (UTC)")
+    for entry in entries_of_journal(journal):
+        if (line := formatter.format(entry)) is not None:
+            print(f"{entry.time[:19].replace('T', ' ')}  {line}")
+    left = "" if state.objects is None else f", {state.objects - report.objects} left"
+    counts = ", ".join(f"{number} {fate}" for fate, number in fates.items() if number) or "none has left"
+    print(f"{counts}{left}; {report.scans} scans")
 
 
 def show(entries: Iterable[Entry]) -> None:

@@ -8,6 +8,7 @@ from beltsort import ArgumentError
 from beltsort.sorting.entries import Decided, State, StateChanged
 from beltsort.sorting.entry_text import in_words
 from beltsort.sorting.journal import Entry
+from beltsort.sorting.moving.entries import Diverting, MovingResumed, MovingStarted
 from beltsort.util.notify import ServiceManager
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class SignsOfLife:
     def __init__(self, manager: ServiceManager, interrupted: Callable[[], None]) -> None:
         self._manager, self._interrupted = manager, interrupted
         self._sorted: Counter[str] = Counter()
-        self._ready = False
+        self._ready = self._moving = False
 
     def check(self) -> None:
         """Give a sign of life, unless the run is to end: called before each step, and while waiting."""
@@ -41,7 +42,9 @@ class SignsOfLife:
     def listen(self, entry: Entry) -> None:
         """Tell the manager what an entry changes."""
         match entry.content:
-            case Decided(name=name):
+            case MovingStarted() | MovingResumed():
+                self._moving = True
+            case Decided(name=name) | Diverting(name=name):
                 self._sorted[name or ""] += 1
                 self._manager.tell(f"STATUS={self._status(entry)}")
             case StateChanged(State.EXECUTE):
@@ -51,7 +54,7 @@ class SignsOfLife:
 
     def _status(self, entry: Entry) -> str:
         counts = ", ".join(f"{count} {name}" for name, count in self._sorted.most_common())
-        where = "" if entry.object is None else f"object {entry.object} at the belt end; "
+        where = "" if entry.object is None or self._moving else f"object {entry.object} at the belt end; "
         return f"{where}sorted since the start: {counts or 'none'}"
 
 

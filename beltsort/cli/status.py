@@ -57,11 +57,13 @@ def run(arguments: Namespace) -> int:
         print(status.reason)
     of = "" if status.objects is None else f", {status.left} of {status.objects} left"
     last = status.updated[:19].replace("T", " ")
-    print(f"object {status.object} at the belt end{of}; last entry {last} UTC")
+    where = "at the belt end" if status.fates is None else "is the first undecided one"
+    print(f"object {status.object} {where}{of}; last entry {last} UTC")
     parts = [f"{count} {name}" for name, count in status.bins.items()]
     parts += [f"{status.skipped} empty"] if status.skipped else []
     parts += [f"{status.passed} PASSED UNSORTED"] if status.passed else []
-    done = f"{sum(status.bins.values())} sorted in {status.steps} steps"
+    what = "steps" if status.fates is None else "scans"
+    done = f"{sum(status.bins.values())} sorted in {status.steps} {what}"
     print(f"{done}: {', '.join(parts)}" if parts else done)
     for way in ways:
         print(f"{way.when}: {way.command}")

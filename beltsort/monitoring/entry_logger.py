@@ -43,6 +43,7 @@ from beltsort.sorting.moving.entries import (
     MovingStarted,
     ObjectLeft,
 )
+from beltsort.sorting.moving.state import MovingState
 from beltsort.sorting.progress import Progress
 
 LOGGER = "beltsort.run"
@@ -62,9 +63,9 @@ class EntryLogger:
     run
         Name of the run; None before the first entry.
     step
-        Number of the planner step, from 1; None before the first.
+        Number of the planner step, from 1; None before the first, and on a belt that never stops.
     object
-        Number of the object at the belt end.
+        Number of the object at the belt end; on a belt that never stops, of the first one that is undecided.
     """
 
     def __init__(self) -> None:
@@ -73,10 +74,14 @@ class EntryLogger:
         self.object: int | None = None
         self._done = 0  # steps that have ended
         self._pending: Command | None = None
+        self._moving = False  # whether the belt never stops; its runs have no steps
         self._formatter = EntryFormatter()
 
-    def resume(self, progress: Progress) -> None:
+    def resume(self, progress: Progress | MovingState) -> None:
         """Continue with a run that is resumed, whose entries do not say where it was."""
+        if isinstance(progress, MovingState):
+            self.run, self.object, self._moving = progress.run, progress.settled, True
+            return
         self.run, self.object = progress.run, progress.index
         self._done, self._pending = progress.steps, progress.pending
         self.step = progress.steps or None
@@ -95,8 +100,10 @@ class EntryLogger:
     def _place(self, content: AnyContent) -> None:
         """Update run and step."""
         match content:
-            case Started(run=run) | MovingStarted(run=run) | MovingSnapshot(run=run):
+            case Started(run=run):
                 self.run = run
+            case MovingStarted(run=run) | MovingSnapshot(run=run):
+                self.run, self._moving = run, True
             case Snapshot(run=run, steps=steps):
                 self.run, self._done = run, steps
             case Intended(command):
@@ -105,7 +112,7 @@ class EntryLogger:
                 done, self._pending = self._pending, None
                 moved = done is not None and isinstance(done.act, MoveTo) and not done.arriving
                 self._done += int(moved)
-            case Planned() | Chosen():
+            case Planned() | Chosen() if not self._moving:
                 self.step = self._done + 1
             case Decided() | Skipped(decided=True):
                 self.step = self._done = self._done + 1
@@ -187,5 +194,4 @@ def _text_of(content: AnyContent) -> str:
 
 
 def _action(action: dict[str, int]) -> str:
-    ((verb, target),) = action.items()
-    return f"{verb} {target}"
+    return ", ".join(f"{verb} {target}" for verb, target in action.items())

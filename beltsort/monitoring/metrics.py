@@ -31,6 +31,8 @@ from beltsort.sorting.entries import (
 )
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.journal_files import journal_bytes
+from beltsort.sorting.moving.entries import Diverting, Fate, Looked, MovingStarted, ObjectLeft
+from beltsort.sorting.moving.state import MovingState
 from beltsort.sorting.progress import Progress
 from beltsort.util.extras import extra
 
@@ -49,6 +51,8 @@ with extra("metrics"):
 log = logging.getLogger(__name__)
 
 ADDRESS = "127.0.0.1"
+OUTCOMES = {Fate.IN_BIN: "sorted", Fate.EMPTY: "empty"}
+"""The outcome of an object that has left a belt that never stops; the others have passed."""
 STARTING = "Starting"
 """The state before the first entry."""
 BELIEFS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
@@ -164,8 +168,12 @@ class RunMetrics:
             "beltsort_device_call_failures", "Calls of devices that failed.", call, registry=own
         )
 
-    def resume(self, progress: Progress) -> None:
+    def resume(self, progress: Progress | MovingState) -> None:
         """Continue with a run that is resumed, whose entries do not say where it was."""
+        if isinstance(progress, MovingState):
+            self._end = inf if progress.objects is None else progress.objects
+            self._identify(progress.run)
+            return
         self._end = inf if progress.objects is None else progress.end
         self._pending = progress.pending
         self._identify(progress.run)
@@ -194,6 +202,10 @@ class RunMetrics:
                 self._end = inf if objects is None else first + objects
                 self.objects_left.set(self._end - first)
                 self._identify(run)
+            case MovingStarted(run=run, objects=objects):
+                self._end = inf if objects is None else objects
+                self.objects_left.set(self._end)
+                self._identify(run)
             case Resumed():
                 pass
             case StateChanged(state):
@@ -213,8 +225,14 @@ class RunMetrics:
             case Planned(seconds=seconds, late=late):
                 self.plans.observe(seconds)
                 self.late.inc(int(late))
-            case Scanned():
+            case Scanned() | Looked():
                 self.looks.inc()
+            case Diverting(name=name, belief=belief, looks=looks):
+                self.decisions.labels(name).inc()
+                self.belief.observe(belief)
+                self.decision_looks.observe(looks)
+            case ObjectLeft(fate=fate):
+                self.objects.labels(OUTCOMES.get(fate, "passed")).inc()
             case ScanUnusable():
                 self.scan_failures.labels("unusable").inc()
             case ScanElsewhere():

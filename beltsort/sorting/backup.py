@@ -19,6 +19,8 @@ from beltsort.sorting.journal_files import (
     transaction,
 )
 from beltsort.sorting.kept_scans import SCANS, kept_scans, scan_file
+from beltsort.sorting.moving.reading import is_moving
+from beltsort.sorting.moving.state import MovingState
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.runs import CELL, MODEL, POLICY, TRUTH, journal_of
 
@@ -38,7 +40,8 @@ class Backup:
     first, last
         Numbers of its first and last entry.
     index
-        Number of the object at the belt end after the last entry.
+        Number of the object at the belt end after the last entry; on a belt that never stops, of the first
+        one that is undecided.
     """
 
     path: Path
@@ -141,4 +144,7 @@ def _checked(copy: Path, path: Path) -> Backup:
             f"the copy {copy} has {count} entries, expected all from {first} to {last}: the journal "
             "lacks some; look at it with `beltsort show`"
         )
-    return Backup(path, first, last, Progress.after(entries_of_journal(copy)).index)
+    entries = entries_of_journal(copy)
+    if is_moving(copy):
+        return Backup(path, first, last, MovingState.after(entries).settled)
+    return Backup(path, first, last, Progress.after(entries).index)

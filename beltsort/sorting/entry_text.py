@@ -31,6 +31,8 @@ from beltsort.sorting.entries import (
 )
 from beltsort.sorting.holds import Way
 from beltsort.sorting.journal import Entry
+from beltsort.sorting.moving.entries import MovingContent, MovingResumed, MovingSnapshot, MovingStarted
+from beltsort.sorting.moving.entry_text import MovingFormatter
 from beltsort.sorting.rules import forced_in_words
 from beltsort.util.text import counted, position_number
 
@@ -82,11 +84,14 @@ class EntryFormatter:
         self._arrival: list[float] = []
         self._first_row: int | None = None  # number of the object that the belief's first row is about
         self._pose_faults: set[str] = set()
+        self._moving = MovingFormatter()
 
     def format(self, entry: Entry) -> str | None:
         """Return the line of an entry with the number of its object, or None if it is not shown."""
         text = self.text(entry)
-        return text if text is None or entry.object is None else f"object {entry.object:>2}  {text}"
+        if text is None or entry.object is None or self._moving.belt is not None:
+            return text  # on a belt that never stops, entries name their objects
+        return f"object {entry.object:>2}  {text}"
 
     def text(self, entry: Entry) -> str | None:
         """Return the text of an entry, or None for an entry that is not shown."""
@@ -96,6 +101,11 @@ class EntryFormatter:
                 text = self._start(first)
             case StateChanged(State.HELD | State.ABORTED as state, reason):
                 text = f"{state.lower()}: {in_words(reason)}"
+            case MovingStarted() | MovingSnapshot() | MovingResumed() as first if not self.classes:
+                text = self._moving.start(first)
+                self._names(self._moving.model)
+            case content if isinstance(content, MovingContent):
+                return self._moving.text(content)
             case Resumed():
                 text = "resumed"
             case Requested("continue", by):
@@ -165,7 +175,10 @@ class EntryFormatter:
         """Return the text of an action in the journal's format, `{"move": 2}`."""
         if "move" in action:
             return f"look from {self.viewpoints[action['move']]}"
-        return f"decide {self.bins[action['decide']]}"
+        if "wait" in action:
+            return "wait"
+        where = f" at position {position_number(action['position'])}" if "position" in action else ""
+        return f"decide {self.bins[action['decide']]}{where}"
 
     def likely(self, row: list[float]) -> str:
         """Return the most likely class of one position, or classes equally likely, and its probability."""
@@ -173,13 +186,16 @@ class EntryFormatter:
 
     def _start(self, first: Started | Snapshot | Resumed) -> str:
         model = SortingModel.from_json(first.model)
-        self.classes, self.viewpoints = model.classes, model.viewpoints
-        self.labels, self.bins = model.labels, model.bins
+        self._names(model)
         self._arrival = model.arrival.tolist()
         self.belief = [self._arrival] * model.positions
         into = "" if self.bins == self.classes else f", into {', '.join(self.bins)}"
         number = "" if first.objects is None else f"{first.objects} "
         return f"sorting {number}objects: {', '.join(self.classes)}{into}"
+
+    def _names(self, model: SortingModel) -> None:
+        self.classes, self.viewpoints = model.classes, model.viewpoints
+        self.labels, self.bins = model.labels, model.bins
 
     def seen(self, scan: Scanned) -> list[str]:
         """Return for each position the label that a scan gave, `?` for none, or why there is none."""

@@ -6,6 +6,7 @@ from beltsort._core import SortingModel
 from beltsort.errors import JournalError
 from beltsort.sorting.entries import Snapshot, Started
 from beltsort.sorting.journal import Entry
+from beltsort.sorting.moving.entries import MovingContent
 
 
 def model_of(entries: Sequence[Entry]) -> SortingModel:
@@ -14,9 +15,14 @@ def model_of(entries: Sequence[Entry]) -> SortingModel:
     Raises
     ------
     JournalError
-        If the first one is neither a start nor a snapshot.
+        If the first one is neither a start nor a snapshot, or of a run on a belt that never stops.
     """
     first = entries[0]
+    if isinstance(first.content, MovingContent):
+        raise JournalError(
+            "the run is of a belt that never stops, expected one of a belt that stops: read it with "
+            "`beltsort show` and `beltsort status`"
+        )
     if not isinstance(first.content, Started | Snapshot):
         raise JournalError(
             f"the journal begins with {first.kind!r}, expected 'start' or 'snapshot': it is damaged"

@@ -26,6 +26,19 @@ def has_entries(path: Path) -> bool:
     return any(rows_of(file, "SELECT 1 FROM entries LIMIT 1") for file in files_of(path))
 
 
+def kind_of_first(path: Path) -> str | None:
+    """Return the kind of the first entry of a journal that is still kept; None if there is none.
+
+    Raises
+    ------
+    JournalError
+        If a file is damaged, or no journal of this version.
+    """
+    query = "SELECT number, kind FROM entries ORDER BY number LIMIT 1"
+    first = [row for file in files_of(path) for row in rows_of(file, query)]
+    return min(first)[1] if first else None
+
+
 def newest_entries(path: Path) -> Iterator[Entry]:
     """Yield the entries from the last start or snapshot on that begins a file; see `read_journal`."""
     query = "SELECT number, kind FROM entries ORDER BY number LIMIT 1"

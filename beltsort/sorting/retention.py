@@ -14,6 +14,7 @@ from beltsort.errors import InUseError, JournalError
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.journal_queries import has_entries
 from beltsort.sorting.locks import holder_of, in_use, locked
+from beltsort.sorting.moving.reading import is_moving, moving_state_in
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.runs import DRY_RUN, LOCK, REMOVED, cell_file_of
 from beltsort.sorting.status import Condition, status_of
@@ -222,11 +223,20 @@ def obstacle(folder: Path, *, locked_here: bool = False) -> str | None:
             return None
         if status_of(folder).condition is Condition.HELD:
             return "it is held: see `beltsort status`"
+        if is_moving(folder / JOURNAL):
+            return _queued(folder / JOURNAL)
         pending = progress_in(folder / JOURNAL).pending
     except JournalError as reason:
         return f"its journal cannot be read ({reason})"
     if pending is not None and isinstance(pending.act, SortInto):
         return f"it ended during {pending.id}, of which nobody has said whether it was done"
+    return None
+
+
+def _queued(journal: Path) -> str | None:
+    """Return why a run on a belt that never stops must not be removed."""
+    if queued := list(moving_state_in(journal).diversions):
+        return f"it ended before the belt had told what became of objects {queued}"
     return None
 
 

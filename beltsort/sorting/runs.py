@@ -17,6 +17,7 @@ from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.journal_queries import has_entries
 from beltsort.sorting.kept_scans import ScanKeeper, ScanListener, all_of
 from beltsort.sorting.loop import sort_objects
+from beltsort.sorting.moving.reading import is_moving, moving_state_in
 from beltsort.sorting.perceived import Perceive
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.report import Decision, SortingReport
@@ -118,7 +119,8 @@ def unfinished_run(runs: Path, cell: Path, *, dry_run: bool) -> Path | None:
         if folder.name.endswith(DRY_RUN) is not dry_run or not _is_of(folder, cell):
             continue
         if has_entries(journal):  # without entries nothing was done
-            return None if progress_in(journal).done else folder
+            state = moving_state_in(journal) if is_moving(journal) else progress_in(journal)
+            return None if state.done else folder
     return None
 
 

@@ -13,6 +13,7 @@ from beltsort.sorting.journal import Entry, Journal
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.journal_queries import entries_since
 from beltsort.sorting.locks import locked
+from beltsort.sorting.moving.entries import MovingResumed, MovingStarted
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.requests import signature, takes_requests, write_reply
@@ -46,6 +47,7 @@ class Question:
 TELLING = (
     *(StateChanged.kind, Started.kind, Resumed.kind, Ended.kind),
     *(Settled.kind, Answered.kind, ObjectsPassed.kind),
+    *(MovingStarted.kind, MovingResumed.kind),
 )
 """Kinds of entries that tell the state of a run, and whether it has an open question."""
 
@@ -68,7 +70,7 @@ def question_after(found: Question | None, entry: Entry) -> Question | None:
     match entry.content:
         case StateChanged(ways=ways):
             return None if ways is None else Question(entry.number, tuple(ways))
-        case Started() | Resumed() | Answered() | ObjectsPassed():
+        case Started() | Resumed() | Answered() | ObjectsPassed() | MovingStarted() | MovingResumed():
             return None
         case Settled(answer) if found is not None:
             return Question(found.entry, found.ways, answer)
