@@ -33,6 +33,9 @@ log = logging.getLogger(__name__)
 SPEED_TOLERANCE = 0.2
 """Largest relative deviation of the belt's speed from the one that is planned for."""
 
+SPEED_TICKS = 20
+"""Most ticks in which the speed is measured when a run begins."""
+
 
 def sort_moving(
     cell: DivertingCell,
@@ -281,31 +284,37 @@ class _MovingLoop:
     def check_speed(self) -> None:
         """Check that the belt moves as fast as the policy assumes, if it moves.
 
+        Clocks may be known so badly at first that some ticks are needed to tell.
+
         Raises
         ------
         HeldError
             If it is faster or slower by more than `SPEED_TOLERANCE`.
         """
+        spacing, per_place = self.cell.layout.spacing, self.state.belt.ticks_per_place or 1
+        planned = spacing / (per_place * self.tick)
         before = self.read()
-        self.cell.wait(self.tick)
-        after = self.read()
-        if not (before.moving and after.moving and after.boot_id == before.boot_id):
-            return
-        if after.stamp <= before.stamp:
-            return
-        speed = (after.travel - before.travel) / (after.stamp - before.stamp)
-        per_place = self.state.belt.ticks_per_place or 1
-        planned = self.cell.layout.spacing / (per_place * self.tick)
-        if abs(speed / planned - 1.0) > SPEED_TOLERANCE:
-            raise HeldError(
-                Hold(
-                    None,
-                    f"the belt moves at {speed:.3f} m/s, expected about {planned:.3f} m/s: a place of "
-                    f"{self.cell.layout.spacing:g} m in {per_place} ticks of "
-                    f"{self.tick:g} s; set the belt's speed, or correct ticks_per_place or seconds_per_tick",
-                    person=True,
+        for _ in range(SPEED_TICKS):
+            self.cell.wait(self.tick)
+            after = self.read()
+            seconds, unsure = after.stamp - before.stamp, before.error + after.error
+            if not (before.moving and after.moving and after.boot_id == before.boot_id) or seconds <= 0.0:
+                return
+            way = after.travel - before.travel
+            least, most = way / (seconds + unsure), way / max(seconds - unsure, 1e-9)
+            if least > (1.0 + SPEED_TOLERANCE) * planned or most < (1.0 - SPEED_TOLERANCE) * planned:
+                speed = way / seconds
+                raise HeldError(
+                    Hold(
+                        None,
+                        f"the belt moves at {speed:.3f} m/s, expected about {planned:.3f} m/s: a place of "
+                        f"{spacing:g} m in {per_place} ticks of {self.tick:g} s; set the belt's speed, or "
+                        "correct ticks_per_place or seconds_per_tick",
+                        person=True,
+                    )
                 )
-            )
+            if least > (1.0 - SPEED_TOLERANCE) * planned and most < (1.0 + SPEED_TOLERANCE) * planned:
+                return
 
     def wait_for_belt(self) -> None:
         """Wait a tick while the belt stands."""
