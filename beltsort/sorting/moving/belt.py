@@ -26,13 +26,13 @@ class BeltWatch:
         self._belt, self._patience = belt, patience
         self._config = TrackerConfig(gate=min(0.05, spacing / 4.0), exit=-spacing / 2.0)
         self._boot_id = ""
-        self._newest = float("-inf")
         self._begin("")
 
     def _begin(self, boot_id: str) -> None:
         self.motion = BeltMotion()
         self.tracker = Tracker(self.motion, self._config)
-        self._boot_id, self._newest = boot_id, float("-inf")
+        self._boot_id = boot_id
+        self._newest: BeltReading | None = None
 
     def read(self) -> BeltReading:
         """Return a new reading, which is added to the belt's motion.
@@ -47,11 +47,13 @@ class BeltWatch:
         reading = self._patience(self._belt.reading)
         if reading.boot_id != self._boot_id:
             self._begin(reading.boot_id)
-        if reading.stamp > self._newest:
+        # Readings too near in time for their clock give no speed.
+        newest = self._newest
+        if newest is None or reading.stamp - newest.stamp > reading.error + newest.error:
             try:
                 self.motion.add(EncoderReading(reading.stamp, reading.travel))
             except TrackingError as jump:
                 self._begin(reading.boot_id)
                 raise HeldError(Hold(None, str(jump), person=True)) from jump
-            self._newest = reading.stamp
+            self._newest = reading
         return reading
