@@ -1,5 +1,6 @@
 //! The sorting POMDP: sets, observation tables, rewards and travel (eq. 1-6 of the paper).
 
+mod file;
 mod likelihood;
 mod pomdp;
 mod rewards;
@@ -13,11 +14,12 @@ use std::fmt;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use file::{read, write};
 pub use likelihood::Look;
+pub(crate) use spec::MOVING_BELT;
 pub use spec::{
     DEFAULT_DISCOUNT, DEFAULT_R_MAX, DEFAULT_R_MIN, ModelSpec, ScalarOrMatrix, Smoothing, Tables,
 };
-pub(crate) use spec::{MOVING_BELT, read, write};
 pub(crate) use step::{Step, shift};
 pub(crate) use validate::distribution;
 

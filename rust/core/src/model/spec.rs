@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::file::{read, write};
 use crate::error::{Error, Result, model_error};
 use crate::names::nearest;
 
@@ -310,20 +311,6 @@ impl ModelSpec {
     pub fn save(&self, path: &Path) -> Result<()> {
         write(path, &self.to_json()?)
     }
-}
-
-/// What a file holds, by its text; errors name the file.
-pub(crate) fn read<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T>) -> Result<T> {
-    let in_file = |reason: String| Error::Model(format!("{}: {reason}", path.display()));
-    let text =
-        std::fs::read_to_string(path).map_err(|e| in_file(format!("the model file cannot be read: {e}")))?;
-    parse(&text).map_err(|e| in_file(e.to_string()))
-}
-
-/// Write a file with this text.
-pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
-    std::fs::write(path, format!("{text}\n"))
-        .map_err(|e| Error::Model(format!("{}: the model file cannot be written: {e}", path.display())))
 }
 
 fn not_json(reason: &serde_json::Error) -> Error {
