@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from beltsort.cell.diverting import DivertingCell
 from beltsort.cell.protocols import Cell, KnowsPoses, Scan
 from beltsort.geometry import Pose
 
@@ -44,7 +45,7 @@ def deviation(pose: Pose, expected: Pose) -> Deviation:
     return Deviation(float(np.degrees(np.arccos(cosine))), 1000.0 * offset)
 
 
-def viewpoint_poses(cell: Cell) -> Sequence[Pose | None]:
+def viewpoint_poses(cell: Cell | DivertingCell) -> Sequence[Pose | None]:
     """Return the camera's pose at each viewpoint, None if the cell does not know it."""
     known = cell.poses if isinstance(cell, KnowsPoses) else ()
     return known or [None] * len(cell.viewpoints)

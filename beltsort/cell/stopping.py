@@ -3,16 +3,20 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from beltsort.cell.diverting import DivertingCell
 from beltsort.cell.protocols import Cell
 
 
 @contextmanager
-def stopping(cell: Cell) -> Iterator[None]:
+def stopping(cell: Cell | DivertingCell) -> Iterator[None]:
     """Stop every device of a cell if the block raises an exception, including an interrupt."""
     try:
         yield
     except BaseException as failure:
-        for device in (cell.arm, cell.belt, cell.sorter, cell.camera):
+        # A belt that never stops needs no sorter.
+        for device in (cell.arm, cell.belt, getattr(cell, "sorter", None), cell.camera):
+            if device is None:
+                continue
             try:
                 device.stop()
             except BaseException as reason:  # also an interrupt: the others must be stopped

@@ -65,11 +65,11 @@ class CellCheck:
     exceeded: list[str] = field(default_factory=list)
 
 
-def check_cell(cell: Cell, limits: CheckLimits) -> CellCheck:
+def check_cell(cell: Cell | DivertingCell, limits: CheckLimits) -> CellCheck:
     """Query the health of every device, then scan from every viewpoint.
 
     The first command that fails ends the check and stops all devices, since the arm must not move from an
-    unknown position.
+    unknown position. On a belt that never stops, cups stand anywhere relative to the positions.
     """
     found = CellCheck()
     ask_health(cell, found)
@@ -100,7 +100,7 @@ def ask_health(cell: Cell | DivertingCell, found: CellCheck) -> None:
             found.exceeded.append(f"{role}: is not ready: {why}")
 
 
-def _visits(cell: Cell) -> Iterator[View]:
+def _visits(cell: Cell | DivertingCell) -> Iterator[View]:
     """Move to every viewpoint, take a scan at each, and yield its measurements."""
     now = datetime.now(UTC).isoformat()  # command ids must be unique across all checks
     poses = viewpoint_poses(cell)

@@ -10,7 +10,7 @@ from beltsort.cell.diverting import KnowsClassesAt
 from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.composed_moving import ComposedMovingCell, compose_moving
-from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.description import CellDescription, contradictions
 from beltsort.cellfile.ingredients import model_and_classifier, model_file
 from beltsort.cellfile.moving import moving_planner
 from beltsort.cellfile.problems import CellFileError
@@ -162,6 +162,8 @@ def open_moving_run(
     """
     moving = description.moving
     assert moving is not None
+    if problems := list(contradictions(description)):  # options of a command change what the file says
+        raise CellFileError(problems)
     broken_off = None if resume is None else moving_state_in(resume / JOURNAL)
     model = None if broken_off is None else broken_off.belt.model
     if model is None and description.prepare is None:

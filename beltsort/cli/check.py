@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from beltsort.cell.wrappers.recorder import Recorded
     from beltsort.cellfile.check import CellCheck, View
     from beltsort.cellfile.composed import ComposedCell
+    from beltsort.cellfile.composed_moving import ComposedMovingCell
     from beltsort.cellfile.description import CellDescription
 
 EXAMPLE = "beltsort check cell.toml"
@@ -40,6 +41,7 @@ def run(arguments: Namespace) -> int:
     from beltsort.cellfile.bins import with_bins_of
     from beltsort.cellfile.check import check_cell
     from beltsort.cellfile.composed import compose
+    from beltsort.cellfile.composed_moving import compose_moving
     from beltsort.cellfile.description import CellDescription
     from beltsort.planning.expectation import expectation
     from beltsort.sorting.locks import devices_locked
@@ -51,7 +53,8 @@ def run(arguments: Namespace) -> int:
         description = with_bins_of(model, description)
     calls: list[Recorded] = []
     devices: list[object] = []
-    cell = compose(
+    composed = compose if description.moving is None else compose_moving
+    cell = composed(
         description,
         live=arguments.live,
         say=console.print,
@@ -100,7 +103,9 @@ def model_of(description: "CellDescription") -> SortingModel | None:
         return None
 
 
-def as_json(cell: "ComposedCell", found: "CellCheck", calls: "list[Recorded]") -> dict[str, Any]:
+def as_json(
+    cell: "ComposedCell | ComposedMovingCell", found: "CellCheck", calls: "list[Recorded]"
+) -> dict[str, Any]:
     """Return the results of the check as plain data."""
     from dataclasses import asdict
 

@@ -1,5 +1,6 @@
 """`beltsort run` with a belt that never stops."""
 
+import shlex
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -55,6 +56,9 @@ def sort_on_moving_belt(
         )
     watching.opened(opened)
     print_cell_mode(console, description, opened.cell)
+    if arguments.allow_hold:
+        command = shlex.join(["beltsort", "stop", str(opened.folder)])
+        console.print(f"to stop the belt and end the run: {command}")
     interrupts = Interrupts()
     signs = SignsOfLife(manager, interrupts.check)
     listeners = (*watching.listeners, signs.listen, run_lines(console))
