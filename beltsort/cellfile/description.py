@@ -291,11 +291,6 @@ def _beside_moving(cell: CellDescription) -> Iterator[Problem]:
             yield Problem(
                 f"rules.{field.name}", f"is {value}, but with [moving] only {used} are used: leave it out"
             )
-    if cell.planner.policy != "despot":
-        yield Problem(
-            "planner.policy",
-            f'is "{cell.planner.policy}", expected "despot", the planner, with [moving]: leave it out',
-        )
 
 
 def _shapes(cell: CellDescription, moving: Moving) -> Iterator[Problem]:

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from beltsort import ArgumentError, SortingModel, models
+from beltsort import ArgumentError, MovingBelt, SortingModel, models
 from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.moving import moving_policy
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.sections import Planner
 from beltsort.cellfile.simulated import trainable_config
@@ -11,7 +12,7 @@ from beltsort.errors import DatabaseError
 from beltsort.perception import Classifier, PerceptionConfig, load_classifier
 from beltsort.perception.classifier import check_classes
 from beltsort.planning.named_policy import located_policy
-from beltsort.planning.policy import Policy
+from beltsort.planning.policy import MovingPolicy, Policy
 from beltsort.sim.prepare import Recipe, StageProgress, prepare
 from beltsort.sorting.runs import POLICY
 
@@ -23,6 +24,25 @@ def model_file(description: CellDescription) -> SortingModel:
 
 def policy_of(description: CellDescription, model: SortingModel, resume: Path | None) -> tuple[Policy, str]:
     """Return the policy and its name: of a run that is resumed, the one with which it began."""
+    planner, name = _planner_of(description, resume)
+    try:
+        return planner.policy_for(model, description.path("")), name
+    except ArgumentError as reason:
+        raise CellFileError.of("planner.policy", str(reason)) from reason
+
+
+def moving_policy_of(
+    description: CellDescription, belt: MovingBelt, resume: Path | None
+) -> tuple[MovingPolicy, str]:
+    """Return the policy of a belt that never stops, and its name, as `policy_of`."""
+    planner, name = _planner_of(description, resume)
+    try:
+        return moving_policy(planner, belt, description.path("")), name
+    except ArgumentError as reason:
+        raise CellFileError.of("planner.policy", str(reason)) from reason
+
+
+def _planner_of(description: CellDescription, resume: Path | None) -> tuple[Planner, str]:
     planner, folder = description.planner, description.path("")
     name = located_policy(planner.policy, folder.resolve())
     if resume is not None and (resume / POLICY).is_file():
@@ -34,10 +54,7 @@ def policy_of(description: CellDescription, model: SortingModel, resume: Path | 
             )
         if began != name:
             name, planner = began, Planner(policy=began)
-    try:
-        return planner.policy_for(model, folder), name
-    except ArgumentError as reason:
-        raise CellFileError.of("planner.policy", str(reason)) from reason
+    return planner, name
 
 
 def model_and_classifier(

@@ -1,19 +1,19 @@
 """The table [moving] of a cell file: a belt that never stops."""
 
+from pathlib import Path
 from typing import Annotated, Any
 
-from beltsort import MovingBelt, MovingPlanner, SortingModel
+from beltsort import ArgumentError, MovingBelt, MovingPlanner, SortingModel
 from beltsort.cellfile.sections import Planner, Seconds
 from beltsort.cellfile.validation import Section
+from beltsort.planning.named_moving_policy import DEFAULT_TRIALS, named_moving_policy
+from beltsort.planning.policy import MovingPolicy
 from beltsort.util.extras import extra
 
 with extra("cell"):
     from pydantic import Field, FiniteFloat, NonNegativeInt, PositiveInt
 
 Price = Annotated[FiniteFloat, Field(ge=0.0)]
-
-DEFAULT_MOVING_TRIALS = 30
-"""Trials per plan if the cell file gives no budget."""
 
 USED_RULES = ("empty_looks", "scan_attempts", "retry_delays")
 """The rules of the loop that hold on a belt that never stops."""
@@ -61,17 +61,34 @@ class Moving(Section):
         return spacing / (self.ticks_per_place * self.seconds_per_tick)
 
 
-def moving_planner(planner: Planner, belt: MovingBelt) -> MovingPlanner:
-    """Return the planner of a belt that never stops, with the budget of a cell file.
+def moving_policy(planner: Planner, belt: MovingBelt, folder: Path) -> MovingPolicy:
+    """Return the policy of a belt that never stops.
+
+    Parameters
+    ----------
+    planner
+        Its name, or the budget of the planner.
+    belt
+        The belt.
+    folder
+        Where modules of your own are found.
 
     Raises
     ------
     ArgumentError
-        As `beltsort.MovingPlanner`.
+        As `named_moving_policy`, or if the policy is for a belt that stands while the arm looks.
     """
+    if planner.policy != "despot":
+        planned, policy = named_moving_policy(planner.policy, belt, folder)
+        if planned != belt:
+            raise ArgumentError(
+                f"{planner.policy!r} is for a belt that stands while the arm looks, expected one for a belt "
+                "that never stops: choose another, or leave [moving] out"
+            )
+        return policy
     settings: dict[str, Any] = {"seed": planner.seed}
     if "scenarios" in planner.model_fields_set:
         settings["scenarios"] = planner.scenarios
     if planner.seconds is not None:
         return MovingPlanner(belt, seconds=planner.seconds, **settings)
-    return MovingPlanner(belt, trials=planner.trials or DEFAULT_MOVING_TRIALS, **settings)
+    return MovingPlanner(belt, trials=planner.trials or DEFAULT_TRIALS, **settings)

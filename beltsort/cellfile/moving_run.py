@@ -5,18 +5,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
-from beltsort import ArgumentError, ModelError, MovingBelt, MovingPlanner
+from beltsort import ArgumentError, ModelError, MovingBelt
 from beltsort.cell.diverting import KnowsClassesAt
 from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.composed_moving import ComposedMovingCell, compose_moving
 from beltsort.cellfile.description import CellDescription, contradictions
-from beltsort.cellfile.ingredients import model_and_classifier, model_file
-from beltsort.cellfile.moving import moving_planner
+from beltsort.cellfile.ingredients import model_and_classifier, model_file, moving_policy_of
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.run import check_ready
 from beltsort.cellfile.run_folder import RunCalls, prune_for, write_about
 from beltsort.perception import Classifier, perception_for
+from beltsort.planning.policy import MovingPolicy
 from beltsort.sim.prepare import StageProgress
 from beltsort.sorting.heeding import Check, nothing
 from beltsort.sorting.journal import Journal, Listeners
@@ -54,8 +54,8 @@ class MovingRun:
         Model, times and prices: those of the cell file, or of the run that is resumed.
     classifier
         That of the cell file, or a prepared one.
-    policy
-        Chooses the actions.
+    policy, policy_name
+        Chooses the actions; its name is kept in the run's folder.
     folder
         Folder of the run, created by `sort`.
     broken_off
@@ -68,7 +68,8 @@ class MovingRun:
     cell: ComposedMovingCell
     belt: MovingBelt
     classifier: Classifier
-    policy: MovingPlanner
+    policy: MovingPolicy
+    policy_name: str
     folder: Path
     broken_off: MovingState | None = None
     devices: Sequence[object] = ()
@@ -121,7 +122,7 @@ class MovingRun:
                     requests=requests,
                 )
         check_ready(self.cell)
-        write_about(self.folder, description, description.planner.policy)
+        write_about(self.folder, description, self.policy_name)
         self.belt.model.save(self.folder / MODEL)
         prune_for(self.folder, description)
         with Journal(self.folder / JOURNAL, listener) as journal:
@@ -179,13 +180,10 @@ def open_moving_run(
         belt = moving.belt(model) if broken_off is None else broken_off.belt
     except (ArgumentError, ModelError) as reason:
         raise CellFileError.of("moving", str(reason)) from reason
-    try:
-        policy = moving_planner(description.planner, belt)
-    except ArgumentError as reason:
-        raise CellFileError.of("planner", str(reason)) from reason
+    policy, name = moving_policy_of(description, belt, resume)
     last = None if resume is None else last_look(resume / JOURNAL)
     if broken_off is not None and last is not None:
         for device in devices:
             if isinstance(device, EndsWithProcess):
                 device.resume(broken_off, last)
-    return MovingRun(description, cell, belt, classifier, policy, folder, broken_off, devices)
+    return MovingRun(description, cell, belt, classifier, policy, name, folder, broken_off, devices)

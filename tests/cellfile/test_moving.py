@@ -10,7 +10,8 @@ from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile.composed import compose
 from beltsort.cellfile.composed_moving import ComposedMovingCell, compose_moving
 from beltsort.cellfile.description import CellDescription
-from beltsort.cellfile.moving import moving_planner
+from beltsort.cellfile.ingredients import moving_policy_of
+from beltsort.cellfile.moving import moving_policy
 from beltsort.cellfile.problems import CellFileError
 from beltsort.sorting.command import Command
 
@@ -36,14 +37,22 @@ def composed(path: Path, calls: list[Recorded] | None = None) -> ComposedMovingC
     return compose_moving(CellDescription.load(path), live=False, say=print, record=record)
 
 
-def test_the_example_gives_the_belt_that_is_planned_for() -> None:
+def test_the_example_gives_the_belt_that_is_planned_for(tmp_path: Path) -> None:
     description = CellDescription.load(EXAMPLE)
     assert description.moving is not None
     assert description.moving.speed(description.belt.spacing) == pytest.approx(0.03)
     belt = description.moving.belt(beltsort.models.paper())
     assert (belt.ticks_per_place, belt.reach, belt.seconds_per_tick) == (12, 2, 0.5)
-    action = moving_planner(description.planner, belt).act(belt.belief(), 0)
-    assert isinstance(action, beltsort.Move)
+    policy = moving_policy(description.planner, belt, tmp_path)
+    assert isinstance(policy.act(belt.belief(), 0), beltsort.Move)
+    timed = CellDescription.load(changed(tmp_path, ("trials = 10", "seconds = 0.001\nscenarios = 50")))
+    assert isinstance(moving_policy(timed.planner, belt, tmp_path), beltsort.MovingPlanner)
+    named = CellDescription.load(changed(tmp_path, ("trials = 10", 'policy = "most-urgent:0.9"')))
+    policy, name = moving_policy_of(named, belt, None)
+    assert (repr(policy), name) == (repr(beltsort.MovingThreshold(belt, 0.9)), "most-urgent:0.9")
+    standing = CellDescription.load(changed(tmp_path, ("trials = 10", 'policy = "stop-and-go:one-object"')))
+    with pytest.raises(CellFileError, match=r"^planner\.policy: .*stands while the arm looks"):
+        moving_policy_of(standing, belt, None)
 
 
 def test_prices_are_by_class(tmp_path: Path) -> None:
@@ -61,7 +70,6 @@ WRONG = [
     ("objects = 20", "objects = 20\ndrift = {}", r"^drift: is given"),
     ("objects = 20", "objects = 20\nrules = {max_looks = 3}", r"^rules\.max_looks: is 3.*empty_looks"),
     ("objects = 20", "objects = 20\nfaults = {seed = 1}", r"^faults: is given"),
-    ("trials = 10", 'policy = "threshold:0.9"', r'^planner\.policy: is "threshold:0\.9".*"despot"'),
     ("reach = 2", "reach = 3", r"^moving\.reach: is 3, expected at most 2"),
     ("[[0, 4, 4], ", "[", r"^moving\.move_ticks: has rows of \[3, 3\] numbers, expected 3 rows of 3"),
     ("reach = 2", "missed = {standrd = 1}", r"^moving\.missed\.standrd: is no class.*'standard'"),
