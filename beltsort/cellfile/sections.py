@@ -177,13 +177,13 @@ class Timeouts(Section):
 class Planner(Section):
     """The policy that chooses the actions.
 
-    The other keys are for the policy "despot", with [moving] the planner for belts that never stop: its budget,
-    `trials` or `seconds` (300 trials if neither, with [moving] 30), and its scenarios.
+    The other keys are for the policy "despot", with [moving] the planner for belts that never stop: its
+    budget, `trials` or `seconds` (300 trials if neither, with [moving] 30), and its scenarios.
     """
 
     policy: str = "despot"
-    """Name of a policy, as in `beltsort compare --policies`; paths start at the file's folder. With [moving], one
-    of `beltsort.planning.named_moving_policy`."""
+    """Name of a policy, as in `beltsort compare --policies`; paths start at the file's folder. With [moving],
+    one of `beltsort.planning.named_moving_policy`."""
     trials: PositiveInt | None = None
     """Trials per plan, reproducible."""
     seconds: PositiveFloat | None = None
