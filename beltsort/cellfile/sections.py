@@ -182,8 +182,8 @@ class Planner(Section):
     """
 
     policy: str = "despot"
-    """Name of a policy, as in `beltsort compare --policies`; paths start at the file's folder. With [moving],
-    one of `beltsort.planning.named_moving_policy`."""
+    """Name of a policy, as in `beltsort compare --policies`, or with [moving] in `beltsort throughput`; paths
+    start at the file's folder."""
     trials: PositiveInt | None = None
     """Trials per plan, reproducible."""
     seconds: PositiveFloat | None = None
