@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from beltsort import ArgumentError, MovingBelt, SortingModel, models
+from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.moving import moving_policy
 from beltsort.cellfile.problems import CellFileError
@@ -20,6 +21,29 @@ from beltsort.sorting.runs import POLICY
 def model_file(description: CellDescription) -> SortingModel:
     """Load the model that a cell file names."""
     return models.load(description.path(description.model or ""))
+
+
+def known_model(
+    description: CellDescription, model: SortingModel | None
+) -> tuple[SortingModel | None, CellDescription]:
+    """Return the model, and the cell file with the bins in the model's order.
+
+    Parameters
+    ----------
+    description
+        The cell file.
+    model
+        That of a run that is resumed; if None, the file's own is read, and None is returned if it has yet to
+        be prepared.
+
+    Raises
+    ------
+    CellFileError
+        As `with_bins_of`.
+    """
+    if model is None and description.prepare is None:
+        model = model_file(description)
+    return model, description if model is None else with_bins_of(model, description)
 
 
 def policy_of(description: CellDescription, model: SortingModel, resume: Path | None) -> tuple[Policy, str]:

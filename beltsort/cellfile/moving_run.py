@@ -8,10 +8,9 @@ from typing import Protocol, runtime_checkable
 from beltsort import ArgumentError, ModelError, MovingBelt
 from beltsort.cell.diverting import KnowsClassesAt
 from beltsort.cell.wrappers.recorder import Recorded
-from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.composed_moving import ComposedMovingCell, compose_moving
 from beltsort.cellfile.description import CellDescription, contradictions
-from beltsort.cellfile.ingredients import model_and_classifier, model_file, moving_policy_of
+from beltsort.cellfile.ingredients import known_model, model_and_classifier, moving_policy_of
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.run import check_ready
 from beltsort.cellfile.run_folder import RunCalls, prune_for, write_about
@@ -166,11 +165,7 @@ def open_moving_run(
     if problems := list(contradictions(description)):  # options of a command change what the file says
         raise CellFileError(problems)
     broken_off = None if resume is None else moving_state_in(resume / JOURNAL)
-    model = None if broken_off is None else broken_off.belt.model
-    if model is None and description.prepare is None:
-        model = model_file(description)
-    if model is not None:
-        description = with_bins_of(model, description)
+    model, description = known_model(description, None if broken_off is None else broken_off.belt.model)
     calls = RunCalls(runs, resume, called)
     devices: list[object] = []
     cell = compose_moving(description, live=live, say=say, record=calls, made=devices.append)

@@ -9,12 +9,11 @@ from beltsort import SortingModel
 from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import NOWHERE, Homing, KnowsClasses, Restorable, TellsPosition
 from beltsort.cell.wrappers.recorder import Recorded
-from beltsort.cellfile.bins import with_bins_of
 from beltsort.cellfile.check import CellCheck, ask_health
 from beltsort.cellfile.composed import ComposedCell, compose
 from beltsort.cellfile.composed_moving import ComposedMovingCell
 from beltsort.cellfile.description import CellDescription
-from beltsort.cellfile.ingredients import model_and_classifier, model_file, policy_of
+from beltsort.cellfile.ingredients import known_model, model_and_classifier, policy_of
 from beltsort.cellfile.run_folder import RunCalls, prune_for, write_about
 from beltsort.errors import CellError
 from beltsort.perception import Classifier, perception_for
@@ -221,11 +220,7 @@ def open_run(
         If a file cannot be read.
     """
     broken_off = None if resume is None else progress_in(resume / JOURNAL)
-    model = None if broken_off is None else broken_off.model
-    if model is None and description.prepare is None:
-        model = model_file(description)
-    if model is not None:
-        description = with_bins_of(model, description)
+    model, description = known_model(description, None if broken_off is None else broken_off.model)
     calls = RunCalls(runs, resume, called)
     devices: list[object] = []
     cell = compose(description, live=live, say=say, record=calls, made=devices.append)

@@ -15,9 +15,9 @@ NOTHING_SIMULATED = (
 EXAMPLE = Path(__file__).parents[2] / "beltsort" / "cellfile" / "examples" / "simulated.toml"
 
 
-def changed(folder: Path, *changes: tuple[str, str]) -> Path:
-    """Write the example with pieces of its text replaced, and return its path."""
-    text = EXAMPLE.read_text()
+def changed(folder: Path, *changes: tuple[str, str], example: Path = EXAMPLE) -> Path:
+    """Write an example with pieces of its text replaced, and return its path."""
+    text = example.read_text()
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new)

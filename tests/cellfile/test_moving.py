@@ -14,6 +14,7 @@ from beltsort.cellfile.ingredients import moving_policy_of
 from beltsort.cellfile.moving import moving_policy
 from beltsort.cellfile.problems import CellFileError
 from beltsort.sorting.command import Command
+from tests.cellfile import cell_files
 
 EXAMPLE = Path(__file__).parents[2] / "beltsort" / "cellfile" / "examples" / "moving.toml"
 BELT = '[belt]\nbackend = "simulated"'
@@ -23,13 +24,7 @@ DRY_RUN = (('"simulated"', '"dry-run"'), ("[backends.simulated]\nseed = 0\n", ""
 
 def changed(folder: Path, *changes: tuple[str, str]) -> Path:
     """Write the example with pieces of its text replaced, and return its path."""
-    text = EXAMPLE.read_text()
-    for old, new in changes:
-        assert old in text, old
-        text = text.replace(old, new)
-    path = folder / "moving.toml"
-    path.write_text(text)
-    return path
+    return cell_files.changed(folder, *changes, example=EXAMPLE)
 
 
 def composed(path: Path, calls: list[Recorded] | None = None) -> ComposedMovingCell:
