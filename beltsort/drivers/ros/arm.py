@@ -59,7 +59,7 @@ class RosArm(RosDevice):
         self.connect()
         deadline = self._soon(HEALTH_TIMEOUT)
         received = self._await(deadline)
-        self._send(self._commanding.halt(self._joint_positions(received)), deadline)
+        self._link.send(self._commanding.halt(self._joint_positions(received)), deadline)
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command, from the arm's position if its end was not observed."""
@@ -127,7 +127,7 @@ class RosArm(RosDevice):
         self._check_emergency_stop(deadline, Outcome.NOT_DONE)
         begin = self._commanding.begin(self._options.taught[name])
         while not self._command(begin, name, deadline, Outcome.NOT_DONE):
-            self._wait_for_subscriber(begin.to, deadline)
+            self._link.wait_for_subscriber(begin.to, deadline)
         return self._arrival(name, deadline, timeout)
 
     def _arrival(self, name: str, deadline: Deadline, timeout: float) -> float:
@@ -177,7 +177,7 @@ class RosArm(RosDevice):
                     "move",
                     outcome,
                 )
-            return outgoing is None or self._send_once(outgoing, deadline)
+            return outgoing is None or self._link.send_once(outgoing, deadline)
 
     def _elsewhere(self, name: str, received: Received, ended: str | None) -> str:
         target, joints = self._options.taught[name], self._joint_positions(received)

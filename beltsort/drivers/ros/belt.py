@@ -121,10 +121,10 @@ class RosBelt(ReportingBelt):
     def stop(self) -> None:
         """Command the belt to stop."""
         self.connect()
-        self._send(publication(self._options.stop_topic, {}), self._soon(HEALTH_TIMEOUT))
+        self._link.send(publication(self._options.stop_topic, {}), self._soon(HEALTH_TIMEOUT))
 
     def _bring(self, index: int, state: Received, deadline: Deadline) -> Received:
-        self._send(publication(self._options.command_topic, {"data": index}), deadline)
+        self._link.send(publication(self._options.command_topic, {"data": index}), deadline)
         while state.message["data"] != index:
             following = self._await(deadline, state.number)
             self._check_emergency_stop(deadline, Outcome.UNKNOWN)

@@ -1,7 +1,6 @@
 """The base class of the devices: a link to a node, and the topic on which the device publishes."""
 
 import logging
-import time
 from contextlib import suppress
 from typing import Any, NamedTuple, Self
 
@@ -9,7 +8,7 @@ from beltsort.cell.commands import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.protocols import Health
 from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.ros.frames import Frames
-from beltsort.drivers.ros.link import GRACE, Link, Outgoing
+from beltsort.drivers.ros.link import Link
 from beltsort.drivers.ros.options import ActuatorOptions
 from beltsort.errors import CellError
 from beltsort.geometry import Pose
@@ -22,9 +21,6 @@ WAIT_SLICE = 0.25
 
 FIRST_MESSAGE = 2.0
 """Timeout of the first message from the device in `health`, seconds."""
-
-SUBSCRIBER_INTERVAL = 0.05
-"""Interval at which the number of subscribers is polled, seconds."""
 
 HEALTH_TIMEOUT = 1.0
 """Timeout of the ROS system's reply in `health`, seconds."""
@@ -187,31 +183,6 @@ class RosDevice:
             with suppress(CellError):  # not rigid: an error only if the pose depends on it
                 frames.add(*transform)
         return frames.pose(world, frame, stamp)
-
-    def _send(self, outgoing: Outgoing, deadline: Deadline) -> None:
-        """Send a message, waiting for a subscriber.
-
-        Raises
-        ------
-        CommandError
-            `NOT_DONE` if there is no subscriber by the deadline.
-        """
-        while not self._send_once(outgoing, deadline):
-            self._wait_for_subscriber(outgoing.to, deadline)
-
-    def _wait_for_subscriber(self, topic: str, deadline: Deadline) -> None:
-        """Sleep until the next poll for a subscriber; raise a `CommandError` at the deadline."""
-        if deadline.left() == 0.0:
-            raise CommandError(
-                f"{topic} has no subscriber, expected the device; start it, or correct the topic's name",
-                Outcome.NOT_DONE,
-            )
-        time.sleep(min(SUBSCRIBER_INTERVAL, deadline.left()))
-
-    def _send_once(self, outgoing: Outgoing, deadline: Deadline) -> bool:
-        """Send a message if it has a subscriber; return whether it has."""
-        answer = self._link.ask(outgoing.request, deadline.left() + GRACE, **outgoing.arguments)
-        return bool(answer.values["listeners"])
 
 
 def emergency_stop(options: ActuatorOptions) -> dict[str, str]:

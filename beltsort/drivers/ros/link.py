@@ -1,6 +1,7 @@
 """A link to a node in another process, with deadlines and restarts."""
 
 import logging
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -19,6 +20,9 @@ START_TIMEOUT = 20.0
 
 GRACE = 1.0
 """Time by which the node may miss a deadline before it is considered to hang, seconds."""
+
+SUBSCRIBER_INTERVAL = 0.05
+"""Interval at which the number of subscribers is polled, seconds."""
 
 
 class Outgoing(NamedTuple):
@@ -179,6 +183,31 @@ class Link(ABC):
         left = deadline.left()
         asked = {"topic": topic, "after": after, "wait": min(wait, left), "not_before": not_before}
         return self.ask("newest", left + GRACE, **asked)
+
+    def send(self, outgoing: Outgoing, deadline: Deadline) -> None:
+        """Send a message, waiting for a subscriber.
+
+        Raises
+        ------
+        CommandError
+            `NOT_DONE` if there is no subscriber by the deadline.
+        """
+        while not self.send_once(outgoing, deadline):
+            self.wait_for_subscriber(outgoing.to, deadline)
+
+    def send_once(self, outgoing: Outgoing, deadline: Deadline) -> bool:
+        """Send a message if it has a subscriber; return whether it has."""
+        answer = self.ask(outgoing.request, deadline.left() + GRACE, **outgoing.arguments)
+        return bool(answer.values["listeners"])
+
+    def wait_for_subscriber(self, topic: str, deadline: Deadline) -> None:
+        """Sleep until the next poll for a subscriber; raise a `CommandError` at the deadline."""
+        if deadline.left() == 0.0:
+            raise CommandError(
+                f"{topic} has no subscriber, expected the device; start it, or correct the topic's name",
+                Outcome.NOT_DONE,
+            )
+        time.sleep(min(SUBSCRIBER_INTERVAL, deadline.left()))
 
     def close(self) -> None:
         """End the node."""

@@ -43,7 +43,7 @@ class RosSorter(RosDevice):
     def stop(self) -> None:
         """Command the sorter to stop."""
         self.connect()
-        self._send(publication(self._options.stop_topic, {}), self._soon(HEALTH_TIMEOUT))
+        self._link.send(publication(self._options.stop_topic, {}), self._soon(HEALTH_TIMEOUT))
 
     def outcome_of(self, command_id: str, _boot_id: str = "", /) -> Outcome:
         """Return the outcome of a command, from the sorter's status if its end was not observed."""
@@ -102,7 +102,7 @@ class RosSorter(RosDevice):
             )
         key = _key(command_id, self._statuses(self._await(deadline)))
         message = {"key": key, "value": str(label)}
-        self._send(publication(self._options.command_topic, message), deadline)
+        self._link.send(publication(self._options.command_topic, message), deadline)
         return key
 
     def _end(self, key: str, deadline: Deadline, timeout: float) -> float:

@@ -49,7 +49,7 @@ class Ros2ServiceBelt(ReportingBelt):
         """Command the belt to stop."""
         self.connect()
         deadline = self._soon(HEALTH_TIMEOUT)
-        self._send(self._stopping.request(), deadline)
+        self._link.send(self._stopping.request(), deadline)
         self._stopping.confirm(self._link, deadline)
 
     def health(self) -> Health:
@@ -115,7 +115,7 @@ class Ros2ServiceBelt(ReportingBelt):
         """Advance by one object; return the state once the belt stands at another one."""
         before = self._called_at = state
         try:
-            self._send(self._advancing.request(), deadline)
+            self._link.send(self._advancing.request(), deadline)
         except CommandError as failure:
             if failure.outcome is Outcome.NOT_DONE:  # nothing was sent
                 self._called_at = None

@@ -65,7 +65,7 @@ class Ros2ServiceSorter(RosDevice):
         """Command the sorter to stop."""
         self.connect()
         deadline = self._soon(HEALTH_TIMEOUT)
-        self._send(self._stopping.request(), deadline)
+        self._link.send(self._stopping.request(), deadline)
         self._stopping.confirm(self._link, deadline)
 
     def health(self) -> Health:
@@ -125,7 +125,7 @@ class Ros2ServiceSorter(RosDevice):
         call = Call(command_id, self._bins[label], health.boot_id, self._count_before(deadline))
         self._last = call
         try:
-            self._send(call.trigger.request(), deadline)
+            self._link.send(call.trigger.request(), deadline)
         except CommandError as failure:
             if failure.outcome is Outcome.NOT_DONE:  # nothing was sent
                 self._last = None
