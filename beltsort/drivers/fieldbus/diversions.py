@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from enum import IntEnum
 from typing import Self
 
@@ -218,4 +218,39 @@ def checked_diversion(
         queued,
         forgotten,
         tuple(bins),
+    )
+
+
+REPLY_NUMBERS = 13
+"""Number of `reply_numbers`."""
+
+
+def reply_numbers(reply: DiversionReply) -> list[int]:
+    """Return the numbers of a reply, for layouts in which all have 64 bits.
+
+    They are version, sequence, verb, key, phase, reason, boot, position, stamp, moving, emergency stop,
+    queued and forgotten; the bins are apart, since their number varies.
+    """
+    *numbers, _bins = astuple(reply)
+    return [VERSION, *(int(number) for number in numbers)]
+
+
+def reply_of(numbers: Sequence[int], bins: Sequence[int]) -> DiversionReply:
+    """Return the reply with these `reply_numbers` and bins; errors as of `checked_diversion`."""
+    version, sequence, verb, key, phase, reason, boot, position, stamp = numbers[:9]
+    moving, emergency_stop, queued, forgotten = numbers[9:]
+    return checked_diversion(
+        version=version,
+        sequence=sequence,
+        verb=verb,
+        key=key,
+        phase=phase,
+        reason=reason,
+        boot=boot,
+        position=position,
+        stamp=stamp,
+        flags=MOVING * bool(moving) | EMERGENCY_STOP_PRESSED * bool(emergency_stop),
+        queued=queued,
+        forgotten=forgotten,
+        bins=bins,
     )

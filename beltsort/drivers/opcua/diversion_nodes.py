@@ -4,12 +4,11 @@ from dataclasses import astuple
 from typing import Any
 
 from beltsort.drivers.fieldbus.diversions import (
-    EMERGENCY_STOP_PRESSED,
-    MOVING,
-    VERSION,
+    REPLY_NUMBERS,
     DiversionReply,
     DiversionRequest,
-    checked_diversion,
+    reply_numbers,
+    reply_of,
 )
 from beltsort.drivers.fieldbus.wire import GarbageError
 from beltsort.drivers.opcua.nodes import NodeLayout
@@ -17,7 +16,6 @@ from beltsort.drivers.opcua.nodes import NodeLayout
 REQUEST = "DiversionRequest"
 REQUEST_LENGTH = 7
 ANSWER = "DiversionAnswer"
-ANSWER_LENGTH = 13
 BINS = "DiversionBins"
 
 
@@ -35,8 +33,7 @@ def decode_request(value: Any) -> DiversionRequest | None:
 
 def encode_reply(reply: DiversionReply) -> list[Any]:
     """Return the values of the nodes of a reply."""
-    *numbers, bins = astuple(reply)
-    return [[VERSION, *(int(number) for number in numbers)], list(bins)]
+    return [reply_numbers(reply), list(reply.bins)]
 
 
 def decode_reply(values: list[Any]) -> DiversionReply:
@@ -50,25 +47,9 @@ def decode_reply(values: list[Any]) -> DiversionReply:
         If it is invalid.
     """
     answer, bins = values
-    if not isinstance(answer, list) or len(answer) != ANSWER_LENGTH:
-        raise GarbageError(ANSWER, answer, f"{ANSWER_LENGTH} numbers", 0)
-    *head, moving, emergency_stop, queued, forgotten = answer
-    version, sequence, verb, key, phase, reason, boot, position, stamp = head
-    return checked_diversion(
-        version=version,
-        sequence=sequence,
-        verb=verb,
-        key=key,
-        phase=phase,
-        reason=reason,
-        boot=boot,
-        position=position,
-        stamp=stamp,
-        flags=MOVING * bool(moving) | EMERGENCY_STOP_PRESSED * bool(emergency_stop),
-        queued=queued,
-        forgotten=forgotten,
-        bins=bins,
-    )
+    if not isinstance(answer, list) or len(answer) != REPLY_NUMBERS:
+        raise GarbageError(ANSWER, answer, f"{REPLY_NUMBERS} numbers", 0)
+    return reply_of(answer, bins)
 
 
 DIVERSION_NODES = NodeLayout(
