@@ -55,6 +55,9 @@ ROS2_ARM = Backend(
         resolved(validated(ros2.Ros2ArmOptions, with_viewpoints(given, cell)), cell)
     )
 )
+ROS2_DIVERTER = backend_of(
+    ros2.Ros2DiverterOptions, lambda options, cell: ros2.Ros2Diverter(resolved(options, cell))
+)
 REPLAY = Backend(
     lambda given, cell: replay.Replay(
         resolved(validated(replay.ReplayOptions, with_viewpoints(given, cell)), cell)

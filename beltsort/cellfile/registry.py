@@ -37,7 +37,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
         DIVERTER: "beltsort.cellfile.backends:MODBUS_DIVERTER",
     },
     "ros1": {role: f"beltsort.cellfile.backends:ROS1_{role.upper()}" for role in ROLES},
-    "ros2": {role: f"beltsort.cellfile.backends:ROS2_{role.upper()}" for role in ROLES},
+    "ros2": {role: f"beltsort.cellfile.backends:ROS2_{role.upper()}" for role in (*ROLES, DIVERTER)},
     "replay": dict.fromkeys(("arm", "camera", "belt"), "beltsort.cellfile.backends:REPLAY"),
     "dry-run": {role: f"beltsort.cellfile.dry_run:{role.upper()}" for role in (*ROLES, DIVERTER)},
 }

@@ -66,6 +66,12 @@ def parser(program: str, what: str) -> ArgumentParser:
     arguments.add_argument(
         "--pki", metavar="FOLDER", help="folder of own key and certificate and of trusted certificates"
     )
+    add_machine_options(arguments)
+    return arguments
+
+
+def add_machine_options(arguments: ArgumentParser) -> None:
+    """Add the options of the machine, which `Panel` has."""
     arguments.add_argument(
         "--home", type=int, metavar="INDEX", help="object at the belt end (default: unknown)"
     )
@@ -79,7 +85,6 @@ def parser(program: str, what: str) -> ArgumentParser:
         "--speed", type=float, default=1.0, help="divides all durations (default: %(default)s)"
     )
     add_diverting_options(arguments)
-    return arguments
 
 
 def free_port(arguments: Namespace) -> int:
@@ -95,7 +100,7 @@ class Panel:
     Parameters
     ----------
     arguments
-        Arguments of `parser`.
+        Those of `add_machine_options`.
 
     Attributes
     ----------
@@ -189,14 +194,14 @@ class Panel:
 async def serve(
     panel: Panel,
     announcement: dict[str, object],
-    image: Image[Request, Reply],
+    image: Image[Request, Reply] | None,
     diversions: DiversionImage | None,
 ) -> None:
     """Announce the server on standard output and answer requests until standard input ends.
 
     Each line of standard input is a button of the panel.
     """
-    cycles = [asyncio.create_task(panel.cycle(image))]
+    cycles = [] if image is None else [asyncio.create_task(panel.cycle(image))]
     if diversions is not None:
         cycles.append(asyncio.create_task(panel.run_belt(diversions)))
     loop, ended = asyncio.get_running_loop(), asyncio.Event()

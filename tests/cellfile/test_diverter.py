@@ -15,6 +15,7 @@ from tests.cellfile.test_moving import DRY_RUN, changed
 from tests.contract.test_diverting_device import DivertingStation
 
 MODBUS = 'options = {host = "127.0.0.1", port = 1502, allow_insecure = true}'
+ROS2 = 'options = {domain_id = 7, reply_topic = "/belt/reply"}'
 OPCUA = 'options = {endpoint = "opc.tcp://127.0.0.1:4840/beltsort", allow_insecure = true}'
 
 
@@ -29,7 +30,11 @@ def belt_of(folder: Path, name: str, options: str, objects: str = "") -> tuple[D
 
 @pytest.mark.parametrize(
     ("name", "options", "address"),
-    [("modbus", MODBUS, "127.0.0.1:1502"), ("opcua", OPCUA, "opc.tcp://127.0.0.1:4840/beltsort")],
+    [
+        ("modbus", MODBUS, "127.0.0.1:1502"),
+        ("opcua", OPCUA, "opc.tcp://127.0.0.1:4840/beltsort"),
+        ("ros2", ROS2, "ros2 domain 7: /belt/reply"),
+    ],
 )
 def test_the_back_ends_of_controllers_have_one(name: str, options: str, address: str, tmp_path: Path) -> None:
     _belt, device = belt_of(tmp_path, name, options)

@@ -1,4 +1,4 @@
-"""Requests and replies about diversions in nodes and in registers."""
+"""Requests and replies about diversions in nodes, in registers, and in messages of ROS 2."""
 
 from dataclasses import replace
 
@@ -18,6 +18,7 @@ from beltsort.drivers.fieldbus.wire import MAX_BINS, GarbageError
 from beltsort.drivers.modbus.diversion_registers import DIVERSION_REGISTERS
 from beltsort.drivers.modbus.registers import REGISTERS
 from beltsort.drivers.opcua.diversion_nodes import DIVERSION_NODES
+from beltsort.drivers.ros2 import diversion_messages
 from tests.laws import cases
 
 u16, u32, i32 = st.integers(0, 2**16 - 1), st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1)
@@ -68,6 +69,9 @@ def test_what_is_written_is_what_is_read(request: DiversionRequest, reply: Diver
     assert modbus.decode_reply(words) == opcua.decode_reply(opcua.encode_reply(reply)) == reply
     assert len(words) == modbus.reply_count
     assert all(0 <= word < 2**16 for word in words)
+    ros2 = diversion_messages
+    assert ros2.decode_request(ros2.encode_request(request)) == request
+    assert ros2.decode_reply(ros2.encode_reply(reply)) == reply
 
 
 def test_the_registers_are_those_of_the_specification() -> None:
@@ -104,6 +108,30 @@ def test_the_registers_of_belt_and_sorter_are_others() -> None:
 def test_the_nodes_are_those_of_the_specification() -> None:
     assert DIVERSION_NODES.encode_request(REQUEST) == [1, 6, 0x0102030405060708, -2, -3, 4, 5]
     assert DIVERSION_NODES.encode_reply(REPLY) == [[1, 1, 6, 3, 4, 7, 8, 9, 10, 1, 1, 11, 12], [13, 14]]
+
+
+def test_the_messages_are_those_of_the_specification() -> None:
+    encoded = diversion_messages.encode_request(REQUEST)
+    assert encoded == [1, 1, 6, 0x0102030405060708, -2, -3, 4, 5]
+    assert diversion_messages.encode_reply(REPLY) == [1, 1, 6, 3, 4, 7, 8, 9, 10, 1, 1, 11, 12, 13, 14]
+
+
+def test_messages_of_another_version_or_length_are_none_of_diversions() -> None:
+    encoded = diversion_messages.encode_request(REQUEST)
+    for request in ([], encoded[:-1], [*encoded, 0], [2, *encoded[1:]]):
+        assert diversion_messages.decode_request(request) is None
+    encoded = diversion_messages.encode_reply(REPLY)
+    with pytest.raises(MissingPartError):
+        diversion_messages.decode_reply([0, *encoded[1:]])
+    for reply, said, sequence in (
+        ([], r"\blength is 0\b", 0),
+        (encoded[:12], r"\blength is 12, expected 13 numbers\b", 1),
+        ([2, 9, *encoded[2:]], r"\bversion is 2\b", 9),
+        ([*encoded, *range(MAX_BINS)], r"\bnumber of bins is 34\b", 1),
+    ):
+        with pytest.raises(GarbageError, match=said) as error:
+            diversion_messages.decode_reply(reply)
+        assert error.value.sequence == sequence
 
 
 def test_registers_that_hold_nothing_are_no_diversions() -> None:

@@ -1,14 +1,16 @@
-"""Drivers for ROS 2: a camera, an arm commanded by joint positions, a belt and a sorter.
+"""Drivers for ROS 2: camera, arm commanded by joint positions, belt and sorter, belt that never stops.
 
 Needs rclpy and messages of any ROS 2 distribution, which run in a process of their own, started when a
 device is first used. `docs/ros.md` describes the interface.
 """
 
 from beltsort.drivers.ros2.devices import Ros2Arm, Ros2Belt, Ros2Camera, Ros2Sorter
+from beltsort.drivers.ros2.diverter import Ros2Diverter
 from beltsort.drivers.ros2.options import (
     Ros2ArmOptions,
     Ros2BeltOptions,
     Ros2CameraOptions,
+    Ros2DiverterOptions,
     Ros2ServiceBeltOptions,
     Ros2ServiceSorterOptions,
     Ros2SorterOptions,
@@ -23,6 +25,8 @@ __all__ = [
     "Ros2BeltOptions",
     "Ros2Camera",
     "Ros2CameraOptions",
+    "Ros2Diverter",
+    "Ros2DiverterOptions",
     "Ros2ServiceBelt",
     "Ros2ServiceBeltOptions",
     "Ros2ServiceSorter",

@@ -38,7 +38,7 @@ LOOK_INTERVAL = 0.2
 TF = "tf2_msgs/TFMessage"
 LATCHED = ("std_msgs/Bool", "sensor_msgs/CameraInfo")
 """Types that some publish once and keep for those that come later, and others repeat."""
-KEPT = ("action_msgs/msg/GoalStatusArray",)
+KEPT = ("action_msgs/msg/GoalStatusArray", "std_msgs/Int64MultiArray")
 """Types that are always kept for those that come later."""
 
 

@@ -1,4 +1,4 @@
-"""Options of camera, arm, belt and sorter on a ROS 2 system."""
+"""Options of the devices on a ROS 2 system."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -167,6 +167,36 @@ class Ros2SorterOptions(SorterOptions, Ros2Options):
         """Check all options."""
         Ros2Options.__post_init__(self)
         SorterOptions.__post_init__(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros2DiverterOptions(Ros2Options):
+    """Options of a belt that never stops on ROS 2, also those of `Ros2Options`.
+
+    Attributes
+    ----------
+    request_topic
+        Subscribed by the controller, std_msgs/Int64MultiArray: requests.
+    reply_topic
+        Published by the controller, std_msgs/Int64MultiArray: a reply to each request, of which the last is
+        kept for those that subscribe later (transient local durability).
+    answer_timeout
+        Timeout of the acknowledgement of a request, seconds.
+    """
+
+    request_topic: str = "/diverter/request"
+    reply_topic: str = "/diverter/reply"
+    answer_timeout: float = 2.0
+
+    def __post_init__(self) -> None:
+        """Check that there are two topics, and all other options."""
+        super().__post_init__()
+        if not self.request_topic or not self.reply_topic or self.request_topic == self.reply_topic:
+            raise CellError(
+                f"request_topic is {self.request_topic!r} and reply_topic {self.reply_topic!r}, expected two "
+                "different names; give the controller's"
+            )
+        check_positive(self, "answer_timeout")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -108,11 +108,14 @@ def set_going(rig: Rig, belt: Ros2Belt) -> None:
         belt.advance_to(world["object"] + 1, uuid4().hex, timeout=60.0)
 
 
-def require_ros2() -> None:
-    """End the test where ROS 2 is missing."""
+FULL = ("rclpy", "tf2_msgs", "control_msgs", "visualization_msgs", "std_srvs", "moveit_msgs")
+"""Packages that the peers of a whole cell need."""
+
+
+def require_ros2(*needed: str) -> None:
+    """End the test where ROS 2 is missing, or one of its packages: those of `FULL`, or others."""
     packages = {path.name for path in Path(PYTHON).parents[1].glob("lib/python*/site-packages/*")}
-    needed = {"rclpy", "tf2_msgs", "control_msgs", "visualization_msgs", "std_srvs", "moveit_msgs"}
-    lacking = needed - packages
+    lacking = set(needed or FULL) - packages
     if lacking:
         reason = f"{', '.join(sorted(lacking))} missing in {PYTHON}; see scripts/bootstrap"
         (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)

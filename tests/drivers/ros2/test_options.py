@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from beltsort.cell import Outcome
-from beltsort.drivers.ros2 import Ros2BeltOptions
+from beltsort.drivers.ros2 import Ros2BeltOptions, Ros2DiverterOptions
 from beltsort.drivers.ros2.node import Discovered, gid_of
 from beltsort.drivers.ros2.status import statuses
 from beltsort.errors import CellError
@@ -29,6 +29,20 @@ def test_a_system_that_does_not_exist(changes: dict[str, Any], said: str) -> Non
     for options in (scene.sorter(1), scene.camera_by_tf(1), scene.arm(1)):
         with pytest.raises(CellError, match=said):
             dataclasses.replace(options, **changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"domain_id": 233}, r"\bdomain_id is 233\b"),
+        ({"request_topic": "/belt", "reply_topic": "/belt"}, r"\bis '/belt' and reply_topic '/belt'"),
+        ({"reply_topic": ""}, r"\breply_topic '', expected two different\b"),
+        ({"answer_timeout": 0.0}, r"\banswer_timeout is 0\.0\b"),
+    ],
+)
+def test_a_controller_of_diversions_that_cannot_be(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(CellError, match=said):
+        Ros2DiverterOptions(**changes)
 
 
 def test_the_states_of_keys() -> None:
