@@ -4,16 +4,12 @@ A new back-end joins by a class in `EVERY`: a `Peer`, which is a `SeeingPeer` if
 and a `ProcessPeer` if it is a process of its own.
 """
 
-import json
-import signal
-import subprocess
 import sys
 from abc import abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
-from beltsort.cell import within
 from beltsort.cell.protocols import NOWHERE
 from beltsort.drivers.fieldbus import FieldbusDevice
 from beltsort.drivers.fieldbus.pki import Identity, identity
@@ -22,8 +18,9 @@ from beltsort.drivers.modbus import make as make_modbus
 from beltsort.drivers.opcua import OpcuaOptions
 from beltsort.drivers.opcua import make as make_opcua
 from tests.contract.in_process import DryRunPeer, InProcessPeer, ReplayPeer, SimulatedPeer
-from tests.contract.peer import PATIENCE, Peer, ProcessPeer
+from tests.contract.peer import Peer, ProcessPeer
 from tests.contract.ros_peer import Ros1Peer, Ros2Peer
+from tests.panel import PanelProcess
 from tests.ports import HeldPort
 
 SPEED = 20
@@ -50,7 +47,7 @@ class ServerPeer(ProcessPeer):
         )
         self.server.admit(self.client)
         self.client.admit(self.server)
-        self._process: subprocess.Popen[str] | None = None
+        self._process: PanelProcess | None = None
         self._devices: list[FieldbusDevice] = []
         self._held = HeldPort()
         self.port = self._held.number
@@ -72,13 +69,8 @@ class ServerPeer(ProcessPeer):
     def start(self, *arguments: str) -> None:
         options = ["--port", str(self.port), "--speed", str(SPEED), *arguments]
         pki = ["--pki", str(self.server.certificate.parent)] if self.secure else []
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", self.module, *options, *pki],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        self.boot_id = self._heard()["boot_id"]
+        self._process = PanelProcess([sys.executable, "-m", self.module, *options, *pki])
+        self.boot_id = self._process.announced["boot_id"]
 
     def refresh(self) -> None:
         """Make it run, with its emergency stop released and every connection of earlier tests closed."""
@@ -153,22 +145,17 @@ class ServerPeer(ProcessPeer):
 
     def push(self, button: str) -> dict[str, Any]:
         """Push a button of the operator's panel; return what it shows."""
-        stdin = self._running.stdin
-        assert stdin is not None
-        stdin.write(f"{button}\n")
-        stdin.flush()
-        return self._heard()
+        return self._running.push(button)
 
     def hang(self) -> None:
-        self._running.send_signal(signal.SIGSTOP)
+        self._running.hang()
 
     def resume(self) -> None:
-        self._running.send_signal(signal.SIGCONT)
+        self._running.resume()
 
     def kill(self) -> None:
         process, self._process = self._running, None
-        with process:  # closes its pipes, and waits
-            process.kill()
+        process.kill()
 
     def restart(self) -> None:
         """Start again after `kill`: memory wiped, position unknown."""
@@ -187,15 +174,9 @@ class ServerPeer(ProcessPeer):
         self._unused.close()
 
     @property
-    def _running(self) -> subprocess.Popen[str]:
+    def _running(self) -> PanelProcess:
         assert self._process is not None
         return self._process
-
-    def _heard(self) -> dict[str, Any]:
-        stdout = self._running.stdout
-        assert stdout is not None
-        line: dict[str, Any] = json.loads(within(PATIENCE, "a line of the server", stdout.readline))
-        return line
 
     def _kept(self, device: FieldbusDevice) -> FieldbusDevice:
         self._devices.append(device)
