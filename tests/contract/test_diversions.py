@@ -13,6 +13,7 @@ from tests.account import Account
 from tests.contract.bench import new_id
 from tests.contract.diverting_peers import DIVERTERS, PEERS, SPEED, DivertingPeer
 from tests.contract.peer import PATIENCE
+from tests.contract.ros2_diverter_peer import Ros2DiverterPeer
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.process
@@ -108,7 +109,7 @@ class BeltBench:
         assert ended == list(ends)
 
 
-@pytest.fixture(scope="module", params=PEERS, ids=lambda kind: kind.name)
+@pytest.fixture(scope="module", params=(*PEERS, Ros2DiverterPeer), ids=lambda kind: kind.name)
 def peer(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[DivertingPeer]:
     with ExitStack() as stack:
         peer = request.param(tmp_path_factory.mktemp("belt") / "peer")

@@ -6,9 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from beltsort.drivers.ros2 import Ros2Diverter, Ros2DiverterOptions
+from tests.drivers.ros2.relay import MACHINE
 from tests.drivers.ros2.rig import ROOT, HeldDomain, require_ros2
 from tests.drivers.ros2.scene import PYTHON
 from tests.panel import PanelProcess
+
+RELAY = Path(__file__).with_name("relay.py")
+BEHIND_RELAY = ("--request-topic", MACHINE.request_topic, "--reply-topic", MACHINE.reply_topic)
+"""Arguments of a controller that clients reach through a relay."""
 
 ANSWER_TIMEOUT = 4.0
 """Seconds; tests that wait for an answer in vain give the call itself less time."""
@@ -23,10 +28,12 @@ class DiverterRig:
         File with a line for each diversion that has ended.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *arguments: str) -> None:
         require_ros2("rclpy", "std_msgs")
         self._held = HeldDomain()
-        self.ended = folder / "ended.jsonl"
+        self.ended = folder / "ended"
+        module = ["-m", "beltsort.testing.ros2_controller"]
+        self._command = [PYTHON, *module, "--ended", str(self.ended), *arguments]
         self._environment = {
             **os.environ,
             "ROS_DOMAIN_ID": str(self._held.number),
@@ -36,11 +43,13 @@ class DiverterRig:
         }
         self.start()
 
-    def start(self, *arguments: str) -> None:
-        """Start the controller, anew after `kill`."""
-        module = ["-m", "beltsort.testing.ros2_controller"]
-        command = [PYTHON, *module, "--ended", str(self.ended), *arguments]
-        self.controller = PanelProcess(command, self._environment, [self._held.lock])
+    def start(self) -> None:
+        """Start the controller, anew after it was killed."""
+        self.controller = self.process(*self._command)
+
+    def process(self, *command: str) -> PanelProcess:
+        """Start another program in this domain."""
+        return PanelProcess(command, self._environment, [self._held.lock])
 
     @property
     def boot_id(self) -> str:
@@ -55,6 +64,10 @@ class DiverterRig:
     def device(self, **changes: Any) -> Ros2Diverter:
         """Return a device of this controller."""
         return Ros2Diverter(self.options(**changes))
+
+    def relay(self) -> PanelProcess:
+        """Start a relay to a controller on the topics of `MACHINE`."""
+        return self.process(PYTHON, str(RELAY))
 
     def close(self) -> None:
         """End the controller."""

@@ -5,6 +5,7 @@ import re
 import signal
 import sys
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,8 +23,9 @@ from beltsort.drivers.ros2 import Ros2Diverter, Ros2DiverterOptions
 from beltsort.drivers.ros2.diversion_messages import KIND, decode_request, encode_reply
 from beltsort.drivers.ros2.diverter import DiversionTopics
 from beltsort.drivers.ros2.link import Ros2Link
+from beltsort.drivers.ros2.node import KEPT
 from beltsort.testing.diverting import DivertingController, DivertingMachine
-from tests.drivers.ros2.diverter_rig import DiverterRig
+from tests.drivers.ros2.diverter_rig import BEHIND_RELAY, DiverterRig
 from tests.waiting import alive, wait_until
 
 pytestmark = pytest.mark.process
@@ -165,6 +167,30 @@ def test_an_installation_that_has_no_ros_is_told(shared: DiverterRig) -> None:
     assert error.value.outcome is Outcome.NOT_DONE
 
 
+def test_a_request_that_is_late_after_the_question_never_acts(tmp_path: Path) -> None:
+    with ExitStack() as stack:
+        rig = DiverterRig(tmp_path, *BEHIND_RELAY)
+        stack.callback(rig.close)
+        relay = rig.relay()
+        stack.callback(relay.kill)
+        device = stack.enter_context(rig.device())
+        device.connect()
+        reading = device.reading()
+        order: dict[str, Any] = {"number": 1, "coordinate": reading.travel + 100.0, "label": 1}
+        order["boot_id"] = reading.boot_id
+        relay.push("hold")
+        with pytest.raises(CommandError) as error:
+            device.divert("held back", **order, timeout=1.0)
+        assert error.value.outcome is Outcome.UNKNOWN
+        status = device.diversion("held back", boot_id=reading.boot_id)
+        assert (status.state, status.retry) == (Diversion.NOT_DONE, True)
+        relay.push("deliver")
+        device.reading()  # behind it, and so it has arrived
+        assert rig.controller.push("look")["queued"] == 0
+        assert device.divert("held back", **order).state is Diversion.QUEUED
+        assert rig.controller.push("look")["queued"] == 1
+
+
 def test_the_reference_controller_ends_with_who_pushes_its_buttons(tmp_path: Path) -> None:
     rig = DiverterRig(tmp_path)
     assert rig.controller.announced["reply_topic"] == OPTIONS.reply_topic
@@ -174,6 +200,4 @@ def test_the_reference_controller_ends_with_who_pushes_its_buttons(tmp_path: Pat
 
 
 def test_the_type_of_the_messages_is_kept_for_those_that_come_later() -> None:
-    from beltsort.drivers.ros2.node import KEPT
-
     assert KIND in KEPT
