@@ -2,8 +2,8 @@
 
 import time
 from collections.abc import Callable
-from functools import partial
 from math import inf
+from threading import Lock
 from typing import Self
 
 from beltsort.drivers.deadline import Deadline
@@ -30,24 +30,20 @@ class DiversionTopics:
     Parameters
     ----------
     node
-        The link to the node, which is started if it does not run.
+        The link to the node, which is connected.
     options
         The topics.
-    seconds
-        Timeout of finding the controller.
+    deadline
+        By which the controller must be found.
 
     Raises
     ------
-    CommandError
-        `NOT_DONE` if the node does not start.
     LinkError
-        If the controller is not found.
+        If it is not.
     """
 
-    def __init__(self, node: Link, options: Ros2DiverterOptions, seconds: float) -> None:
+    def __init__(self, node: Link, options: Ros2DiverterOptions, deadline: Deadline) -> None:
         self._node, self._options = node, options
-        deadline = Deadline(IN_TIME * seconds)
-        node.connect(deadline.left())
         self._number = 0
         self._newest: list[int] = []
         while not self._receive(deadline):
@@ -96,9 +92,8 @@ class Ros2Diverter(DivertingDevice):
         topics = Topics(publish={options.request_topic: KIND}, subscribe={options.reply_topic: KIND})
         self._node = Ros2Link(options, "diverter", topics)
         address = f"{self._node.address}{options.reply_topic}"
-        super().__init__(
-            partial(DiversionTopics, self._node, options), address, options.answer_timeout, clock
-        )
+        self._options, self._starting = options, Lock()
+        super().__init__(self._connected, address, options.answer_timeout, clock)
 
     def connect(self) -> None:
         """Start the node, which may take longer than a command waits for it, and look for the controller.
@@ -115,6 +110,17 @@ class Ros2Diverter(DivertingDevice):
         """End the node; the next call starts it again."""
         super().close()
         self._node.close()
+
+    def _connected(self, seconds: float) -> DiversionTopics:
+        """Return a connection; a node that starts more slowly is started all the same, for the next call."""
+        deadline = Deadline(IN_TIME * seconds)
+        if not self._starting.acquire(timeout=deadline.left()):
+            raise LinkError("beltsort's node is still being started; try again, or call connect() first")
+        try:
+            self._node.connect()
+        finally:
+            self._starting.release()
+        return DiversionTopics(self._node, self._options, deadline)
 
     def __enter__(self) -> Self:
         """Use the device as a context that ends its node."""
