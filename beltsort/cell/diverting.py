@@ -119,7 +119,7 @@ class DivertingBelt(Device, Protocol):
         command_id
             Its id; an id belongs to one diversion for ever.
         number
-            Number of the object, for the controller's messages.
+            Number of the object, for the controller's messages. No other object has it in the same `boot_id`.
         coordinate
             Coordinate of the object's centre, metres.
         label

@@ -79,7 +79,7 @@ class SimulatedDiverters(DivertingDevice):
         Parameters
         ----------
         queued
-            The objects whose diversions are queued, by number.
+            The objects whose diversions are queued, by the controller's number of them.
         """
         clock, speed = self.cell.clock, self.machine.speed * MICRO
         self.cell.clock = clock - self.cell.travel(clock) / speed  # when the encoder was at 0
@@ -195,7 +195,12 @@ class SimulatedDivertingCell(MovingCell):
             Its last scan.
         """
         self.begin_at(last.stamp, last.travel, viewpoint=state.viewpoint, scans=state.scans)
-        queued = {n: known for n, known in state.diversions.items() if known.state == Diversion.QUEUED.value}
+        assert state.lattice is not None  # a scan was used
+        queued = {
+            state.lattice.mark(number): known
+            for number, known in state.diversions.items()
+            if known.state == Diversion.QUEUED.value
+        }
         self.diverters.resume(queued)
 
     def true_class_at(self, coordinate: float) -> int | None:

@@ -128,10 +128,11 @@ class Diverter:
         assert known.command_id is not None
         assert known.bin is not None
         assert known.coordinate is not None
+        assert self._record.state.lattice is not None
         try:
             status = self._cell.belt.divert(
                 known.command_id,
-                number=number,
+                number=self._record.state.lattice.mark(number),
                 coordinate=known.coordinate,
                 label=known.bin,
                 boot_id=self._record.state.boot_id,

@@ -67,6 +67,14 @@ class Lattice:
         """Return where an object stands if it is where it should be, metres."""
         return self.origin + (number - self.first) * self.spacing
 
+    def mark(self, number: int) -> int:
+        """Return the number of an object for the belt's controller, at least 0.
+
+        It counts half spacings along the belt since the controller's start. So no two objects have the same,
+        also if runs follow each other, whose lattices differ by less than a quarter of a spacing.
+        """
+        return max(0, round(2.0 * self.origin / self.spacing) + 2 * (number - self.first))
+
     def at_exit(self, travel: float) -> int:
         """Return the number of the object at the belt end, that of place 0."""
         return self.first + math.floor((travel - self.origin - self.spacing / 2.0) / self.spacing) + 1

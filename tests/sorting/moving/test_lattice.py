@@ -45,3 +45,13 @@ def test_the_lattice_through_cups_has_all_of_them(
     for cup, step in zip(cups, steps, strict=True):
         assert math.isclose(lattice.coordinate(lattice.number(cup)), cup, abs_tol=1e-6)
         assert lattice.number(cup) == 7 + step
+
+
+@given(st.floats(0.0, 1.0), st.floats(-0.02, 0.02), st.integers(1, 50))
+def test_no_two_objects_have_the_same_number_for_the_controller(
+    origin: float, error: float, later: int
+) -> None:
+    one = Lattice(spacing=0.18, origin=origin, first=0)
+    other = Lattice(spacing=0.18, origin=origin + later * 0.18 + error, first=0)
+    marks = [one.mark(number) for number in range(later)] + [other.mark(number) for number in range(50)]
+    assert len(set(marks)) == len(marks)

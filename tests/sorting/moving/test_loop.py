@@ -50,6 +50,16 @@ def test_every_object_is_told_once_and_is_in_the_bin_that_the_journal_says(tmp_p
     assert [list(row) for row in report.confusion] == really
 
 
+def test_a_run_sorts_on_after_another_one_of_the_same_belt(tmp_path: Path) -> None:
+    """The controller remembers the diversions of the first run, and refuses others of the same objects."""
+    cell, fates = plant(objects=40), []
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        fates.append(sort(tmp_path / name, cell).fates)
+        assert fates[-1][Fate.IN_BIN] >= 6
+    assert len(cell.belt.in_bins) == fates[0][Fate.IN_BIN] + fates[1][Fate.IN_BIN]
+
+
 def test_an_object_that_nobody_decides_is_told_as_missed_and_an_empty_cup_is_not(tmp_path: Path) -> None:
     cell = plant()
     looking = Script(*[Move(0) for _ in range(200)])
