@@ -8,6 +8,7 @@ from typing import Any, Protocol, runtime_checkable
 from beltsort.cell.diverting import DivertingBelt, KnowsClassesAt
 from beltsort.cell.protocols import Arm, DepthCamera
 from beltsort.cell.wrappers.dry_run import DryRun, Say
+from beltsort.cell.wrappers.follow_travel import FollowsTravel, FollowTravel
 from beltsort.cell.wrappers.recorder import Recorded, Recorder
 from beltsort.cell.wrappers.wrapped import WrappedArm, WrappedCamera, WrappedDivertingBelt
 from beltsort.cellfile.composed import inner_layers, outer_layers
@@ -79,7 +80,7 @@ def compose_moving(
     """Create the devices of a cell file with [moving], with their wrappers.
 
     The wrappers are those of `beltsort.cellfile.composed.compose`, but for those that only a belt that stops
-    needs.
+    needs; a simulated camera over another belt gets the readings of its encoder (`FollowTravel`).
 
     Parameters
     ----------
@@ -112,7 +113,9 @@ def compose_moving(
         dry_run = [DryRun(say)] if TABLES[role] in printed else []
         devices[role] = WRAPPED[role](devices[role], *recorder, *dry_run, *inner)
     outer = outer_layers(description, devices["arm"])
-    arm, camera, belt = (WRAPPED[role](devices[role], *outer) for role in MOVING_ROLES)
+    arm, camera = (WRAPPED[role](devices[role], *outer) for role in ("arm", "camera"))
+    follow = [FollowTravel(device) for device in bare[1:2] if isinstance(device, FollowsTravel)]
+    belt = WrappedDivertingBelt(devices[DIVERTER], *follow, *outer)
     waits = [device.wait for device in bare if isinstance(device, KeepsTime)]
     classes = [device.true_class_at for device in bare if isinstance(device, KnowsClassesAt)]
     return ComposedMovingCell(

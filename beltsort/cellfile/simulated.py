@@ -9,10 +9,11 @@ from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.moving import Moving
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.registry import backend_of
-from beltsort.cellfile.roles import TABLES
+from beltsort.cellfile.roles import DIVERTER, TABLES
 from beltsort.cellfile.sections import Viewpoint
 from beltsort.cellfile.validation import validated
 from beltsort.geometry import SphereViewpoint
+from beltsort.sim.belt_drive import BeltDrive
 from beltsort.sim.config import CellConfig
 from beltsort.util.extras import extra
 from beltsort.util.naming import nearest_of
@@ -22,6 +23,7 @@ with extra("cell"):
     from pydantic import NonNegativeInt
 
 if TYPE_CHECKING:
+    from beltsort.cellfile.following_cell import FollowingCell
     from beltsort.cellfile.simulated_moving import SimulatedDivertingCell
     from beltsort.sim.cell import SimulatedCell
 
@@ -79,25 +81,32 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
     )
 
 
-def make_moving(options: SimulatedOptions, cell: CellDescription, moving: Moving) -> "SimulatedDivertingCell":
-    """Return the simulated cell of a cell file whose belt never stops.
+def make_moving(
+    options: SimulatedOptions, cell: CellDescription, moving: Moving
+) -> "SimulatedDivertingCell | FollowingCell":
+    """Return the simulated cell of a cell file whose belt never stops, or arm and camera over another belt.
 
     Raises
     ------
     CellFileError
-        As `make`, or if a device is not simulated.
+        As `make`, or if only one of arm and camera is simulated.
     """
+    from beltsort.cellfile.following_cell import FollowingCell
     from beltsort.cellfile.simulated_moving import SimulatedDivertingCell, diverters
 
-    if others := not_simulated(cell):
-        raise CellFileError.of(
-            "",
-            f"{', '.join(others)} is not {NAME}, expected all devices to be: a simulated belt moves with the "
-            "clock of its cell",
-        )
-    machine = diverters(moving.speed(cell.belt.spacing), len(cell.bin_names))
-    config, labels = config_of(cell, options), true_labels(options, cell)
-    return SimulatedDivertingCell(labels, machine, config, options.seed, moving.exposure)
+    config, labels, seed = config_of(cell, options), true_labels(options, cell), options.seed
+    others = not_simulated(cell)
+    if not others:
+        machine = diverters(moving.speed(cell.belt.spacing), len(cell.bin_names))
+        return SimulatedDivertingCell(labels, machine, config, seed, moving.exposure)
+    if others == [TABLES[DIVERTER]]:
+        drive = BeltDrive(belt_speed=moving.speed(cell.belt.spacing), exposure=moving.exposure)
+        return FollowingCell((), drive, config, seed, further=labels)
+    raise CellFileError.of(
+        "",
+        f"{', '.join(others)} is not {NAME}, expected arm and camera to be, or none of the devices: both see "
+        "the same simulated objects",
+    )
 
 
 def trainable_config(cell: CellDescription) -> CellConfig:
@@ -178,7 +187,9 @@ def true_labels(options: SimulatedOptions, cell: CellDescription) -> Iterator[in
     return (choice[rng.integers(len(choice))] for _ in repeat(None))
 
 
-def _made(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell | SimulatedDivertingCell":
+def _made(
+    options: SimulatedOptions, cell: CellDescription
+) -> "SimulatedCell | SimulatedDivertingCell | FollowingCell":
     return make(options, cell) if cell.moving is None else make_moving(options, cell, cell.moving)
 
 

@@ -5,14 +5,16 @@ from pathlib import Path
 import pytest
 
 import beltsort
-from beltsort.cell import Diversion, DivertingCell, MoveTo
+from beltsort.cell import BeltReading, Diversion, DivertingCell, MoveTo
 from beltsort.cell.wrappers.recorder import Recorded
 from beltsort.cellfile.composed import compose
 from beltsort.cellfile.composed_moving import ComposedMovingCell, compose_moving
 from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.following_cell import FollowingCell
 from beltsort.cellfile.ingredients import moving_policy_of
 from beltsort.cellfile.moving import moving_policy
 from beltsort.cellfile.problems import CellFileError
+from beltsort.sim import BeltDrive
 from beltsort.sorting.command import Command
 from tests.cellfile import cell_files
 
@@ -81,13 +83,37 @@ def test_a_contradiction_is_told_with_its_key(tmp_path: Path, old: str, new: str
 
 
 def test_a_back_end_that_cannot_divert_is_told_with_those_that_can(tmp_path: Path) -> None:
-    with pytest.raises(CellFileError, match=r"^belt\.backend: is 'ros2', which cannot divert.*simulated"):
-        composed(changed(tmp_path, (BELT, '[belt]\nbackend = "ros2"')))
+    with pytest.raises(CellFileError, match=r"^belt\.backend: is 'ros1', which cannot divert.*simulated"):
+        composed(changed(tmp_path, (BELT, '[belt]\nbackend = "ros1"')))
 
 
-def test_a_simulated_camera_needs_a_simulated_belt(tmp_path: Path) -> None:
-    with pytest.raises(CellFileError, match="belt is not simulated"):
-        composed(changed(tmp_path, (BELT, '[belt]\nbackend = "dry-run"')))
+def test_arm_and_camera_are_both_simulated_or_none(tmp_path: Path) -> None:
+    others = ('[arm]\nbackend = "simulated"', '[arm]\nbackend = "dry-run"')
+    with pytest.raises(CellFileError, match="arm is not simulated"):
+        composed(changed(tmp_path, others))
+
+
+def test_simulated_objects_follow_another_belt_in_real_time(tmp_path: Path) -> None:
+    cell = composed(changed(tmp_path, (BELT, '[belt]\nbackend = "dry-run"')))
+    before = cell.belt.reading()
+    stop = cell.arm.move_to(0, "a")
+    scan = cell.camera.scan(not_before=stop)
+    after = cell.belt.reading()
+    assert before.stamp < stop <= scan.stamp < after.stamp
+    assert after.travel - before.travel == pytest.approx(0.03 * (after.stamp - before.stamp))
+    assert {cell.true_class_at(0.18 * n) for n in range(40)} == {0, 1, 2, 3}
+
+
+def test_objects_stay_where_they_are_when_the_controller_of_their_belt_is_restarted() -> None:
+    cell = FollowingCell([None, 3, 0, None, 2], BeltDrive(belt_speed=0.1))
+    cell.follow_belt(BeltReading(stamp=10.0, travel=0.36, boot_id="a"))
+    assert cell.true_class_at(0.18) == 3
+    assert cell.place(4, time=11.0) == pytest.approx(4 * 0.18 - 0.46)
+    cell.follow_belt(BeltReading(stamp=12.0, travel=0.02, boot_id="b"))
+    assert cell.place(4, time=12.0) == pytest.approx(4 * 0.18 - 0.56)
+    assert cell.true_class_at(4 * 0.18 - 0.54) == 2
+    cell.follow_belt(BeltReading(stamp=13.0, travel=0.12, boot_id="b", moving=False))
+    assert cell.place(4, time=20.0) == cell.place(4, time=13.0)
 
 
 def test_a_cell_that_stops_is_not_composed_of_it() -> None:

@@ -7,13 +7,17 @@ from pathlib import Path
 
 import pytest
 
+import beltsort
 from beltsort.cli import exit_codes, main
+from beltsort.sim.prepare import CLASSIFIER, PACKAGED
 from beltsort.sorting.journal import entries_after, read_journal
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.moving.entries import Diverting, Fate, Looked, ObjectLeft
 from beltsort.sorting.requests import Request, read_token, write_request
 from tests.cellfile.test_moving import changed
+from tests.cli.cells import PREPARE
 from tests.cli.running import result_of
+from tests.contract.peers import ModbusPeer
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.process
@@ -121,3 +125,37 @@ def test_a_cell_is_checked_and_its_belt_is_not_homed(cell: str, capsys: pytest.C
     assert [view["viewpoint"] for view in found["viewpoints"]] == ["p1", "p2", "p3"]
     assert main(["home", cell, "3"]) == exit_codes.WRONG
     assert "never stops" in capsys.readouterr().err
+
+
+def test_a_controller_is_tried_with_a_simulated_camera_in_real_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    beltsort.models.paper().save(tmp_path / "model.json")
+    (tmp_path / "classifier.npz").write_bytes((PACKAGED / CLASSIFIER).read_bytes())
+    peer, ended = ModbusPeer(tmp_path / "server"), tmp_path / "ended.jsonl"
+    options = f'options = {{host = "127.0.0.1", port = {peer.port}, allow_insecure = true}}'
+    cell = changed(
+        tmp_path,
+        FEW_SLICES,
+        (PREPARE, 'model = "model.json"\nclassifier = "classifier.npz"'),
+        ('[belt]\nbackend = "simulated"', f'[belt]\nbackend = "modbus"\n{options}'),
+        ("ticks_per_place = 12", "ticks_per_place = 6"),
+    )
+    belt = ("--diverters", "0.2,0.25,0.3,0.35", "--belt-speed", "0.06", "--ended", str(ended))
+    peer.start(*belt)
+    try:
+        assert main(["run", str(cell), "--objects", "2", "--json"]) == 0
+        dry = result_of(capsys)
+        assert dry["dry_run"] == ["belt"]
+        assert dry["folder"].endswith("-dry-run")
+        assert not ended.exists()
+        assert main(["run", str(cell), "--live", "--objects", "3", "--json"]) == 0
+        result = result_of(capsys)
+    finally:
+        peer.close()
+    assert sum(result["fates"].values()) == 3
+    done = [json.loads(line) for line in ended.read_text().splitlines()] if ended.exists() else []
+    in_bins = Counter(each["bin"] for each in done if each["phase"] == "DONE")
+    assert [in_bins[bin] for bin in range(4)] == list(result["bins"].values())
+    assert sum(map(sum, result["confusion"])) == result["fates"]["in bin"]
