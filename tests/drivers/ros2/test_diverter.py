@@ -13,6 +13,7 @@ import pytest
 
 from beltsort.cell import CommandError, Diversion, Outcome
 from beltsort.drivers.ros2 import Ros2Diverter, Ros2DiverterOptions
+from tests.cellfile.test_diverter import belt_of
 from tests.drivers.ros2.diverter_rig import BEHIND_RELAY, DiverterRig
 from tests.waiting import alive, wait_until
 
@@ -66,6 +67,19 @@ def test_a_device_that_was_closed_starts_its_node_again(shared: DiverterRig) -> 
         device.connect()
         device.close()
         assert device.health().ready
+
+
+def test_a_cell_file_has_it_as_its_belt(shared: DiverterRig, tmp_path: Path) -> None:
+    options = shared.options()
+    given = f'options = {{python = "{options.python}", domain_id = {options.domain_id}}}'
+    belt, device = belt_of(tmp_path, "ros2", given)
+    assert isinstance(device, Ros2Diverter)
+    with device:
+        device.connect()
+        reading = belt.reading()
+        far = reading.travel + 100.0
+        status = belt.divert("from a file", number=9, coordinate=far, label=2, boot_id=reading.boot_id)
+        assert (status.state, status.boot_id) == (Diversion.QUEUED, shared.boot_id)
 
 
 def test_nobody_on_these_topics_is_told(shared: DiverterRig) -> None:
