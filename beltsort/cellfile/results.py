@@ -45,6 +45,7 @@ def moving_as_json(run: MovingRun, report: MovingReport) -> dict[str, Any]:
         "fates": {str(fate): number for fate, number in report.fates.items()},
         "bins": dict(zip(model.bins, report.bins, strict=True)),
         **known,
+        "uncounted": report.uncounted,
         "scans": report.scans,
         "dry_run": list(run.cell.dry_run),
         "stopped_by": report.stopped_by,

@@ -122,4 +122,5 @@ def in_words(report: MovingReport, opened: "MovingRun") -> str:
     bins = zip(opened.belt.model.bins, report.bins, strict=True)
     parts = [f"{count} {name}" for name, count in bins if count]
     parts += [f"{n} {fate}" for fate, n in report.fates.items() if n and fate is not Fate.IN_BIN]
+    parts += [f"up to {report.uncounted} passed uncounted"] if report.uncounted else []
     return ", ".join(parts) or "none"

@@ -135,7 +135,9 @@ def level_of(content: AnyContent) -> int:
             return logging.DEBUG if told in ("queued", "done") else logging.WARNING
         case Looked() | FoundEmpty() | Diverting():
             return logging.DEBUG
-        case MovingStarted() | MovingResumed() | MovingSnapshot() | Anchored():
+        case Anchored(uncounted=uncounted):
+            return logging.WARNING if uncounted else logging.INFO
+        case MovingStarted() | MovingResumed() | MovingSnapshot():
             return logging.INFO
         case StateChanged(State.ABORTED):
             return logging.ERROR

@@ -62,6 +62,9 @@ class Anchored(Content):
     spacing: float
     origin: float
     first: int
+    uncounted: int = 0
+    """Most objects that may have passed without a number: under the controller's start before this one, after
+    the last scan, while nobody looked."""
 
 
 @dataclass(frozen=True)
@@ -210,6 +213,9 @@ class MovingSnapshot(Content):
     fates: dict[str, int]
     bins: list[int]
     confusion: list[list[int]]
+    uncounted: int = 0
+    watched: float | None = None
+    watched_exit: int = 0
 
 
 MovingContent: TypeAlias = (

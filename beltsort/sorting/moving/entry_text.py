@@ -43,8 +43,9 @@ class MovingFormatter:
         match content:
             case MovingResumed():
                 return "resumed"
-            case Anchored(first=number):
-                return f"object {number} and those behind it are tracked"
+            case Anchored(first=number, uncounted=uncounted):
+                missing = f"; up to {uncounted} passed before, uncounted" if uncounted else ""
+                return f"object {number} and those behind it are tracked{missing}"
             case Looked() as look:
                 return self._look(look)
             case Diverting(number=number, name=name, belief=belief, looks=looks):

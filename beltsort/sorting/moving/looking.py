@@ -1,6 +1,7 @@
 """Moving the camera, and scans of the moving belt: labels of its objects, and beliefs from them."""
 
 import logging
+import math
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
@@ -160,10 +161,30 @@ class Looker:
             unseen = int(travel / spacing) if state.boot_id else 0
             first = max([state.settled, *(number + 1 for number in state.on_belt)]) + unseen
             lattice = Lattice.through(cups, travel, spacing, first)
-            self._record(Anchored(boot_id, lattice.spacing, lattice.origin, first))
+            uncounted = self._uncounted(stamp, travel)
+            self._record(Anchored(boot_id, lattice.spacing, lattice.origin, first, uncounted))
         objects = self._objects(seen, travel)
         events = [type(event).__name__ for event in seen.update.events]
         self._record(Looked(state.viewpoint, stamp, travel, objects, events))
+
+    def _uncounted(self, stamp: float, travel: float) -> int:
+        """Return how many objects may have passed between the last scan and the controller's new start.
+
+        How far the belt has moved in that time, nobody knows: at most as far as it moves without a stop.
+        Those that were seen before, and are told already, are not counted again.
+
+        Parameters
+        ----------
+        stamp, travel
+            Time and travel of the first scan since, seconds on the cell's clock and metres.
+        """
+        state, spacing = self._record.state, self._cell.layout.spacing
+        belt = state.belt
+        if state.watched is None or state.lattice is None:
+            return 0
+        place = float(belt.seconds_per_tick or 0.0) * (belt.ticks_per_place or 1)  # seconds
+        away = stamp - state.watched - travel / spacing * place
+        return max(0, math.ceil(away / place) - (state.settled - state.watched_exit))
 
     def _objects(self, seen: TrackedScan, travel: float) -> list[SeenObject]:
         """Return what a scan has shown of each object that is not settled, by number."""

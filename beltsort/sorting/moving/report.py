@@ -21,6 +21,9 @@ class MovingReport:
         Objects in each bin by true class, shape (B, L), where the cell simulates it; else all 0.
     scans
         Number of scans.
+    uncounted
+        Most objects that may have passed without a number, while the run was down and the belt's controller
+        was started anew.
     stopped_by
         Who asked to stop before all objects had left; None if nobody did.
     """
@@ -29,6 +32,7 @@ class MovingReport:
     bins: Sequence[int]
     confusion: Sequence[Sequence[int]]
     scans: int
+    uncounted: int = 0
     stopped_by: str | None = None
 
     @classmethod
@@ -36,7 +40,7 @@ class MovingReport:
         """Return the report of a run from its state."""
         fates = {fate: state.fates.get(fate, 0) for fate in Fate}
         confusion = tuple(tuple(row) for row in state.confusion)
-        return cls(fates, tuple(state.bins), confusion, state.scans, stopped_by)
+        return cls(fates, tuple(state.bins), confusion, state.scans, state.uncounted, stopped_by)
 
     @property
     def objects(self) -> int:

@@ -7,7 +7,7 @@ from beltsort._core import MovingBelief, MovingBelt
 from beltsort.cell.commands import MoveTo
 from beltsort.cell.diverting import Diversion
 from beltsort.errors import JournalError
-from beltsort.sorting.entries import AnyContent, Intended
+from beltsort.sorting.entries import AnyContent, Ended, Intended
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.moving.entries import (
     Anchored,
@@ -56,6 +56,13 @@ class MovingState:
         Number of objects in each bin.
     confusion
         Objects in each bin by true class, shape (B, L), where the cell simulates it.
+    uncounted
+        Most objects that may have passed without a number, while the run was down and the controller was
+        started anew.
+    watched
+        Time of the last scan, seconds on the cell's clock; None if the belt has been stopped since.
+    watched_exit
+        Number of the object that was at the exit then.
     """
 
     belt: MovingBelt
@@ -71,6 +78,9 @@ class MovingState:
     fates: dict[str, int] = field(default_factory=dict)
     bins: list[int] = field(default_factory=list)
     confusion: list[list[int]] = field(default_factory=list)
+    uncounted: int = 0
+    watched: float | None = None
+    watched_exit: int = 0
 
     def __post_init__(self) -> None:
         """Begin to count."""
@@ -179,6 +189,8 @@ class MovingState:
                     self.viewpoint = command.act.viewpoint
             case Looked() as look:
                 self._look(look)
+            case Ended():
+                self.watched = None
             case Diverting() as diverting:
                 self._divert(diverting)
             case FoundEmpty(number):
@@ -194,9 +206,11 @@ class MovingState:
     def _anchor(self, anchor: Anchored) -> None:
         self.lattice = Lattice(anchor.spacing, anchor.origin, anchor.first)
         self.boot_id = anchor.boot_id
+        self.uncounted += anchor.uncounted
 
     def _look(self, look: Looked) -> None:
-        self.scans += 1
+        self.scans, self.watched = self.scans + 1, look.stamp
+        self.watched_exit = self.numbers(look.travel).start
         for seen in look.seen:
             before = self.known(seen.number)
             self.on_belt[seen.number] = replace(
@@ -256,6 +270,9 @@ class MovingState:
             fates=dict(self.fates),
             bins=list(self.bins),
             confusion=[list(row) for row in self.confusion],
+            uncounted=self.uncounted,
+            watched=self.watched,
+            watched_exit=self.watched_exit,
         )
 
     def _restore(self, snapshot: MovingSnapshot) -> None:
@@ -267,6 +284,8 @@ class MovingState:
         self.on_belt = {int(number): known for number, known in snapshot.on_belt.items()}
         self.fates, self.bins = dict(snapshot.fates), list(snapshot.bins)
         self.confusion = [list(row) for row in snapshot.confusion]
+        self.uncounted, self.watched = snapshot.uncounted, snapshot.watched
+        self.watched_exit = snapshot.watched_exit
 
 
 def final_fate(state: Diversion) -> Fate:

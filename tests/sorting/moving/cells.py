@@ -22,7 +22,10 @@ from beltsort.tracking import Sighting, TrackedLook, TrackedScan, Tracker
 
 
 class Unrendered(MovingCell):
-    """A moving cell whose scans show nothing: labels come from elsewhere."""
+    """A moving cell whose scans show nothing: labels come from elsewhere. Its arm does not stop the belt."""
+
+    def stop(self) -> None:
+        pass
 
     def _exposed(self, stamp: float, rng: np.random.Generator) -> Points:
         return np.zeros((1, 1, 3))

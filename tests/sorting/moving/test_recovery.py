@@ -1,6 +1,7 @@
 import random
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -11,9 +12,10 @@ from beltsort.cell import Diversion
 from beltsort.sorting.entries import AnyContent
 from beltsort.sorting.holds import HeldError
 from beltsort.sorting.journal import Entry, Journal
-from beltsort.sorting.moving.entries import Fate
+from beltsort.sorting.moving.entries import Anchored, Fate
 from beltsort.sorting.moving.loop import resume_moving, sort_moving
 from beltsort.sorting.moving.state import MovingState
+from beltsort.sorting.requests import Request, taking_requests, write_request
 from tests.sorting.moving.cells import MovingPlant, Perception
 from tests.sorting.moving.runs import BELT, RULES, check_accounts, entries, planner, plant, resume, sort
 
@@ -34,7 +36,7 @@ class DyingJournal(Journal):
         return super().append(content)
 
 
-def dying(cell: MovingPlant, folder: Path, lives: int, *, resumed: bool = False) -> None:
+def dying(cell: MovingPlant, folder: Path, lives: int, *, resumed: bool = False, objects: int = 12) -> None:
     """Sort until the process is killed; the belt moves on."""
     stop, cell.belt.stop = cell.belt.stop, lambda: None  # type: ignore[method-assign] # a killed process stops nothing
     try:
@@ -43,7 +45,7 @@ def dying(cell: MovingPlant, folder: Path, lives: int, *, resumed: bool = False)
             if resumed:
                 resume_moving(cell, Perception(cell), planner(), journal, rules=RULES)
             else:
-                sort_moving(cell, Perception(cell), planner(), BELT, journal, objects=12, rules=RULES)
+                sort_moving(cell, Perception(cell), planner(), BELT, journal, objects=objects, rules=RULES)
     finally:
         cell.belt.stop = stop  # type: ignore[method-assign] # the one it had
 
@@ -58,7 +60,7 @@ def test_a_run_that_was_killed_tells_what_has_passed_and_sorts_the_rest(
         dying(cell, tmp_path, lives)
     cell.wait(away)  # the belt moves on
     for again in (4, 11, 23):
-        with pytest.raises(Killed):
+        with suppress(Killed):  # it may have come to its end
             dying(cell, tmp_path, again, resumed=True)
         cell.wait(away / 4.0)
     resume(tmp_path, cell)
@@ -84,6 +86,36 @@ def test_objects_on_the_belt_when_its_controller_restarts_are_told_and_tracked_a
     assert fates[Fate.IN_BIN] > 3
     anchors = [entry.content for entry in entries(tmp_path) if entry.kind == "anchor"]
     assert len(anchors) == 2
+
+
+def cup_at(cell: MovingPlant, anchor: Anchored, began: float) -> int:
+    """The cup that would be object 0 if numbers had never been lost."""
+    return round((anchor.origin + began) / cell.layout.spacing) - anchor.first
+
+
+def test_what_may_have_passed_before_the_controller_restarted_is_told(tmp_path: Path) -> None:
+    cell = plant(objects=60)
+    with pytest.raises(Killed):
+        dying(cell, tmp_path, 30, objects=40)
+    cell.wait(30.0)  # the belt moves on by ten places, and nobody looks
+    cell.belt.restart()
+    cell.wait(15.0)  # and by five, of which the new start of the controller knows
+    report = resume(tmp_path, cell)
+    told = [entry.content for entry in entries(tmp_path)]
+    first, second = (content for content in told if isinstance(content, Anchored))
+    passed = cup_at(cell, second, cell.belt.began) - cup_at(cell, first, 0.0)
+    assert 5 < passed <= report.uncounted <= passed + 2
+
+
+def test_nothing_is_uncounted_if_the_belt_stood(tmp_path: Path) -> None:
+    cell = plant(objects=40)
+    with taking_requests(tmp_path):
+        write_request(tmp_path, Request.now("stop", "a test"))
+        sort(tmp_path, cell, requests=tmp_path)
+    cell.wait(1000.0)
+    cell.belt.restart()
+    cell.belt.start()
+    assert resume(tmp_path, cell).uncounted == 0
 
 
 @settings(deadline=None, max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
