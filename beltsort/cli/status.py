@@ -9,6 +9,7 @@ from beltsort.cli.arguments import Subparsers, add_json
 from beltsort.cli.output import print_json
 from beltsort.cli.show import add_run
 from beltsort.sorting.holds import Way
+from beltsort.sorting.moving.entries import Fate
 from beltsort.sorting.requests import read_token, standing_hold
 from beltsort.sorting.runs import DRY_RUN, cell_file_of, folder_of
 from beltsort.sorting.status import Condition, RunStatus, status_of
@@ -60,8 +61,11 @@ def run(arguments: Namespace) -> int:
     where = "at the belt end" if status.fates is None else "is the first undecided one"
     print(f"object {status.object} {where}{of}; last entry {last} UTC")
     parts = [f"{count} {name}" for name, count in status.bins.items()]
-    parts += [f"{status.skipped} empty"] if status.skipped else []
-    parts += [f"{status.passed} PASSED UNSORTED"] if status.passed else []
+    if status.fates is None:
+        parts += [f"{status.skipped} empty"] if status.skipped else []
+        parts += [f"{status.passed} PASSED UNSORTED"] if status.passed else []
+    else:
+        parts += [f"{n} {fate}" for fate, n in status.fates.items() if n and fate != Fate.IN_BIN]
     what = "steps" if status.fates is None else "scans"
     done = f"{sum(status.bins.values())} sorted in {status.steps} {what}"
     print(f"{done}: {', '.join(parts)}" if parts else done)

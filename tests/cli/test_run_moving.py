@@ -58,7 +58,10 @@ def test_a_run_sorts_accounts_for_every_object_and_can_be_read(
     assert (status["condition"], status["left"], status["fates"]) == ("finished", 0, result["fates"])
     assert (status["object"], status["steps"], status["next"]) == (3, result["scans"], [])
     assert main(["status", "latest"]) == 0
-    assert "object 3 is the first undecided one, 0 of 3 left" in capsys.readouterr().out
+    said_of_it = capsys.readouterr().out
+    assert "object 3 is the first undecided one, 0 of 3 left" in said_of_it
+    for fate, number in result["fates"].items():
+        assert (f"{number} {fate}" in said_of_it) == (number > 0 and fate != Fate.IN_BIN)
     assert main(["show", "latest", "--json"]) == 0
     shown = result_of(capsys)
     assert (shown["fates"], shown["left_belt"], len(shown["entries"])) == (result["fates"], 3, len(entries))
