@@ -1,18 +1,10 @@
 """Choice of the next action on a belt that never stops."""
 
-from typing import Protocol
-
 from beltsort._core import DecideAt, Move, MovingBelief, MovingPlanner, PolicyError, Wait
+from beltsort.planning.policy import MovingPolicy
 from beltsort.sorting.choosing import LATE
 from beltsort.sorting.entries import Chosen, Planned
 from beltsort.sorting.moving.record import MovingRecord
-
-
-class MovingPolicy(Protocol):
-    """Chooses the next action on a belt that never stops: `MovingPlanner`, or an object of your own."""
-
-    def act(self, belief: MovingBelief, viewpoint: int) -> Move | Wait | DecideAt:
-        """Return the next action."""
 
 
 class MovingChooser:

@@ -11,6 +11,7 @@ from beltsort._core import DecideAt, Move, MovingBelt, Wait
 from beltsort.cell import EmergencyStopError, Outcome
 from beltsort.cell.diverting import BeltReading, DivertingCell
 from beltsort.errors import CellError
+from beltsort.planning.policy import MovingPolicy
 from beltsort.sorting.entries import Ended, State, StateChanged
 from beltsort.sorting.fit import check_fit
 from beltsort.sorting.heeding import Check, Heeding, nothing
@@ -18,7 +19,7 @@ from beltsort.sorting.holds import HeldError, Hold
 from beltsort.sorting.journal import Journal, entries_of_journal
 from beltsort.sorting.loop import state_after
 from beltsort.sorting.moving.belt import BeltWatch
-from beltsort.sorting.moving.choosing import MovingChooser, MovingPolicy
+from beltsort.sorting.moving.choosing import MovingChooser
 from beltsort.sorting.moving.diverting import Diverter
 from beltsort.sorting.moving.entries import Fate, MovingResumed, MovingStarted, ObjectLeft
 from beltsort.sorting.moving.looking import Looker, PerceiveMoving

@@ -9,8 +9,8 @@ import numpy as np
 
 import beltsort
 from beltsort import MovingBelt, MovingPlanner
+from beltsort.planning.policy import MovingPolicy
 from beltsort.sorting.journal import Entry, Journal, read_journal
-from beltsort.sorting.moving.choosing import MovingPolicy
 from beltsort.sorting.moving.entries import Diverting, Fate, ObjectLeft
 from beltsort.sorting.moving.loop import resume_moving, sort_moving
 from beltsort.sorting.moving.report import MovingReport
