@@ -10,13 +10,16 @@ from beltsort.drivers.deadline import Deadline
 from beltsort.drivers.fieldbus.diversions import DiversionReply, DiversionRequest
 from beltsort.drivers.fieldbus.diverting_device import DivertingDevice
 from beltsort.drivers.fieldbus.link import LinkError
-from beltsort.drivers.ros.link import Link, Topics, publication
+from beltsort.drivers.ros.link import Link, Outgoing, Topics, publication
 from beltsort.drivers.ros2.diversion_messages import KIND, decode_reply, encode_request
 from beltsort.drivers.ros2.link import Ros2Link
 from beltsort.drivers.ros2.options import Ros2DiverterOptions
 
 READ_WAIT = 0.05
 """Longest time for which `DiversionTopics.read` waits for another reply, seconds."""
+
+REPEAT = 0.5
+"""Interval at which a request without a reply is published again, seconds."""
 
 IN_TIME = 0.9
 """Part of the timeout of finding the controller after which the error says what was not found."""
@@ -25,7 +28,9 @@ IN_TIME = 0.9
 class DiversionTopics:
     """A connection to the controller: its two topics, once it has been found.
 
-    It uses a node that outlives it, since another node would have to be found first.
+    It uses a node that outlives it, since another node would have to be found first. What is published before
+    the nodes have found each other is lost, so a request without a reply is published again; the controller
+    executes it once, by its sequence.
 
     Parameters
     ----------
@@ -46,6 +51,8 @@ class DiversionTopics:
         self._node, self._options = node, options
         self._number = 0
         self._newest: list[int] = []
+        self._request: Outgoing | None = None
+        self._repeat = Deadline(REPEAT)
         while not self._receive(deadline):
             if deadline.left() == 0.0:
                 raise LinkError(
@@ -56,12 +63,17 @@ class DiversionTopics:
 
     def write(self, request: DiversionRequest) -> None:
         """Publish a request."""
-        message = publication(self._options.request_topic, {"data": encode_request(request)})
-        self._node.send(message, Deadline(self._options.answer_timeout))
+        self._request = publication(self._options.request_topic, {"data": encode_request(request)})
+        self._repeat = Deadline(REPEAT)
+        self._node.send(self._request, Deadline(self._options.answer_timeout))
 
     def read(self) -> DiversionReply:
         """Return the latest reply, after waiting a moment for another one."""
-        self._receive(Deadline(self._options.answer_timeout))
+        deadline, before = Deadline(self._options.answer_timeout), self._number
+        self._receive(deadline)
+        if self._request is not None and self._number == before and self._repeat.left() == 0.0:
+            self._repeat = Deadline(REPEAT)
+            self._node.send_once(self._request, deadline)
         return decode_reply(self._newest)
 
     def close(self) -> None:

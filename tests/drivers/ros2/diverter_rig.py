@@ -15,8 +15,8 @@ RELAY = Path(__file__).with_name("relay.py")
 BEHIND_RELAY = ("--request-topic", MACHINE.request_topic, "--reply-topic", MACHINE.reply_topic)
 """Arguments of a controller that clients reach through a relay."""
 
-ANSWER_TIMEOUT = 4.0
-"""Seconds; tests that wait for an answer in vain give the call itself less time."""
+ANSWER_TIMEOUT = 20.0
+"""Seconds, in which nodes find each other; tests that wait for one in vain give the call itself less time."""
 
 
 class DiverterRig:

@@ -32,6 +32,7 @@ class Told(Ros2Link):
         self.controller = DivertingController(DivertingMachine(), boot=5, clock=lambda: 0.0)
         self.messages: list[list[int]] = []
         self.listening = True
+        self.deaf, self.heard = 0, 0
 
     def connect(self, timeout: float = 0.0) -> None:
         pass
@@ -48,6 +49,9 @@ class Told(Ros2Link):
             message: Any = outgoing.arguments["message"]
             request = decode_request(message["data"])
             assert request is not None
+            self.heard += 1
+            if self.heard <= self.deaf or not self.controller.is_new(request):
+                return True
             self.messages.append(encode_reply(self.controller.answer(request)))
         return self.listening
 
@@ -90,6 +94,21 @@ def test_a_request_that_nobody_hears_is_an_error() -> None:
     topics = DiversionTopics(node, replace(OPTIONS, answer_timeout=0.01), Deadline(0.1))
     with pytest.raises(CommandError, match=r"/diverter/request has no subscriber\b"):
         topics.write(look(1))
+
+
+def test_a_request_that_was_lost_is_repeated_and_executed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beltsort.drivers.ros2.diverter.REPEAT", 0.0)
+    node = Told()
+    node.messages.append(encode_reply(node.controller.look()))
+    topics = DiversionTopics(node, OPTIONS, Deadline(0.1))
+    assert topics.read().sequence == 0
+    node.deaf = 2
+    topics.write(look(1))
+    assert [topics.read().sequence for _ in range(3)] == [0, 0, 1]
+    for _ in range(3):
+        topics.read()
+    assert len(node.messages) == 2
+    assert node.heard > node.deaf + 1, "the controller has heard it again, and not answered"
 
 
 def test_a_node_that_starts_slowly_is_started_once() -> None:
