@@ -12,6 +12,17 @@ CONFIDENCE = 0.95
 """Of two-sided intervals; a difference is significant if its interval excludes 0."""
 
 
+def half_interval(standard_error: float) -> float:
+    """Return half of the width of the 95 % confidence interval, by the normal distribution.
+
+    Examples
+    --------
+    >>> round(half_interval(0.5), 2)
+    0.98
+    """
+    return NormalDist().inv_cdf((1.0 + CONFIDENCE) / 2.0) * standard_error
+
+
 @dataclass(frozen=True)
 class Difference:
     """A mean difference over paired batches.
@@ -37,7 +48,7 @@ class Difference:
     @property
     def interval(self) -> tuple[float, float]:
         """Ends of the 95 % confidence interval, by the normal distribution; NaN for a single batch."""
-        half = NormalDist().inv_cdf((1.0 + CONFIDENCE) / 2.0) * self.standard_error
+        half = half_interval(self.standard_error)
         return self.mean - half, self.mean + half
 
     @property

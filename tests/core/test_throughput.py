@@ -63,6 +63,18 @@ def test_what_holds_a_purity_is_the_most_objects_per_minute_that_do(found: Throu
     assert "at none of these speeds" in throughput_table(hard)
 
 
+def test_a_purity_just_below_the_estimate_is_held_but_not_by_the_interval(found: Throughput) -> None:
+    policy = "most-urgent:0.95"
+    result = found.of(policy)[1]
+    least = result.statistics.least_purity
+    assert least.standard_error > 0
+    for below, by_interval, said in ((0.1, False, "does not hold it"), (2.1, True, "holds it too")):
+        alone = Throughput((result,), TIMES, least.value - below * least.standard_error, 20, 12, 5)
+        assert [(held.result, held.by_interval) for held in alone.held()] == [(result, by_interval)]
+        assert alone.to_dict()["held"][policy]["by_interval"] is by_interval
+        assert throughput_table(alone).endswith(f"whose lower end {said}")
+
+
 def test_the_table_and_the_figure_show_every_policy(found: Throughput, tmp_path: Path) -> None:
     table = throughput_table(found)
     assert all(table.count(word) >= 3 for word in WORDS)

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from beltsort.planning.bins import Estimate
+from beltsort.planning.difference import half_interval
 from beltsort.planning.throughput.study import Throughput
 from beltsort.util.colours import COLOURS, MARKERS
 from beltsort.util.figure_style import DPI, PAGE, column_style, empty_figure
@@ -47,7 +48,7 @@ def _curve(axes: "Axes", rates: list[Estimate | None], values: list[Estimate], n
     axes.errorbar(
         [0.0 if rate is None else rate.value for rate in rates],
         [value.value for value in values],
-        yerr=[1.96 * value.standard_error for value in values],
+        yerr=[half_interval(value.standard_error) for value in values],
         color=COLOURS[index % len(COLOURS)],
         marker=MARKERS[index % len(MARKERS)],
         markersize=3,

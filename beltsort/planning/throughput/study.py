@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from beltsort._core import ArgumentError, MovingPlanner, SortingModel, evaluate_moving
-from beltsort.planning.difference import Difference, paired_difference
+from beltsort.planning.difference import Difference, half_interval, paired_difference
 from beltsort.planning.moving import MovingStatistics
 from beltsort.planning.named_moving_policy import named_moving_policy
 from beltsort.planning.throughput.arm import ArmTimes
@@ -62,10 +62,14 @@ class Held:
         Its name.
     result
         The result with most objects per minute among those that hold the purity; None if none does.
+    by_interval
+        Whether the lower end of the 95 % interval of its purity holds the purity too; False without a result,
+        and from a single run, which has no interval.
     """
 
     policy: str
     result: SpeedResult | None
+    by_interval: bool
 
 
 @dataclass(frozen=True)
@@ -102,8 +106,11 @@ class Throughput:
 
     def held(self) -> list[Held]:
         """Return for each policy the most objects per minute at which the purity is held."""
-        return [Held(policy, max(filter(self._holds, self.of(policy)), key=_per_minute, default=None))
-                for policy in self.policies]  # fmt: skip
+        found = []
+        for policy in self.policies:
+            best = max(filter(self._holds, self.of(policy)), key=_per_minute, default=None)
+            found.append(Held(policy, best, best is not None and self._holds_by_interval(best)))
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """Return all results as plain data for JSON."""
@@ -115,12 +122,19 @@ class Throughput:
             "seed": self.seed,
             "results": [_plain(result) for result in self.results],
             "held": {
-                held.policy: None if held.result is None else _plain(held.result) for held in self.held()
+                held.policy: None
+                if held.result is None
+                else {**_plain(held.result), "by_interval": held.by_interval}
+                for held in self.held()
             },
         }
 
     def _holds(self, result: SpeedResult) -> bool:
         return result.statistics.least_purity.value >= self.purity
+
+    def _holds_by_interval(self, result: SpeedResult) -> bool:
+        found = result.statistics.least_purity
+        return found.value - half_interval(found.standard_error) >= self.purity
 
 
 def throughput(

@@ -1,6 +1,7 @@
 """The results of a study as plain text."""
 
 from beltsort.planning.bins import Estimate
+from beltsort.planning.difference import half_interval
 from beltsort.planning.throughput.study import PERCENTILE, SpeedResult, Throughput
 from beltsort.util.text import text_table
 
@@ -33,9 +34,13 @@ def throughput_table(found: Throughput) -> str:
         if held.result is None:
             lines.append(f"  {held.policy}: at none of these speeds")
             continue
-        per_minute = held.result.statistics.objects_per_minute
+        there = held.result.statistics
         speed = held.result.places_per_minute
-        lines.append(f"  {held.policy}: {_half(per_minute)} at {speed:.3g} places per minute")
+        lower = "holds it too" if held.by_interval else "does not hold it"
+        lines.append(
+            f"  {held.policy}: {_half(there.objects_per_minute)} at {speed:.3g} places per minute; purity "
+            f"{_half(there.least_purity)}, whose lower end {lower}"
+        )
     return "\n".join([table, *lines])
 
 
@@ -58,4 +63,4 @@ def _row(result: SpeedResult) -> list[str]:
 
 def _half(estimate: Estimate | None) -> str:
     """Format an estimate with half of its interval in place of its standard error."""
-    return "" if estimate is None else str(Estimate(estimate.value, 1.96 * estimate.standard_error))
+    return "" if estimate is None else str(Estimate(estimate.value, half_interval(estimate.standard_error)))
