@@ -1,0 +1,1 @@
+"""Sorting from depth scans on a belt that never stops."""
