@@ -7,14 +7,13 @@ from uuid import uuid4
 
 import beltsort
 from beltsort._core import Despot, SortingModel
-from beltsort.cell import Cell, EmergencyStopError
+from beltsort.cell import Cell
 from beltsort.cell.commands import AdvanceTo, MoveTo, SortInto
-from beltsort.cell.stopping import stopping
-from beltsort.errors import CellError
 from beltsort.planning.policy import Policy
 from beltsort.sorting.choosing import Chooser
 from beltsort.sorting.commander import Commander
-from beltsort.sorting.entries import Drifted, Ended, Resumed, Started, State, StateChanged
+from beltsort.sorting.ending import sort_to_end
+from beltsort.sorting.entries import Drifted, Resumed, Started
 from beltsort.sorting.fit import check_fit
 from beltsort.sorting.heeding import Check, Heeding, nothing
 from beltsort.sorting.holds import HeldError, Hold, Operator, nobody
@@ -25,7 +24,6 @@ from beltsort.sorting.perceived import NamesLabels, Perceive, PerceivedPosition
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import Record
 from beltsort.sorting.report import SortingReport
-from beltsort.sorting.requests import Request
 from beltsort.sorting.rules import Drift, Rules
 from beltsort.sorting.run_state import Next
 from beltsort.util.text import number_or_none
@@ -200,32 +198,17 @@ class _Loop:
         self.observer = Observer(cell, perceive, self.progress, record, rules, scan_listener)
         self.chooser = Chooser(cell, policy, record, rules, self.commander)
 
+    @property
+    def done(self) -> bool:
+        """Whether all objects have left the belt."""
+        return self.progress.done
+
     def run(self, first: Started | Resumed) -> SortingReport:
         """Write the first entry, take steps until all objects have left the belt, and journal how it ended.
 
         A request to stop ends the run between two steps. If a failure does, every device is stopped.
         """
-        stop: Request | None = None
-        try:
-            with stopping(self.cell):
-                self.record(first)
-                self.record(StateChanged(State.EXECUTE, first.kind))
-                while not self.progress.done:
-                    self.check()
-                    if stop := self.heed():
-                        break
-                    self.step()
-        except BaseException as failure:
-            ways = [*failure.hold.ways] if isinstance(failure, HeldError) else None
-            self.record(StateChanged(state_after(failure), repr(failure), ways=ways))
-            self.record(Ended(repr(failure)))
-            raise
-        if stop is None:
-            self.record(StateChanged(State.COMPLETE, "all objects have left the belt"))
-            self.record(Ended("done"))
-        else:
-            self.record(StateChanged(State.STOPPED, f"{stop.by} asked to stop"))
-            self.record(Ended("stopped"))
+        stop = sort_to_end(self.record, first, self.cell, self)
         progress = self.progress
         return SortingReport(
             progress.steps,
@@ -269,19 +252,6 @@ class _Loop:
                 "with these"
             )
             raise HeldError(Hold(None, reason, person=True))
-
-
-def state_after(failure: BaseException) -> State:
-    """Return the state of a run after a failure: held if it can be resumed once the cell is in order."""
-    match failure:
-        case EmergencyStopError():
-            return State.ABORTED
-        case CellError():
-            return State.HELD
-        case KeyboardInterrupt():
-            return State.STOPPED
-        case _:
-            return State.ABORTED
 
 
 def _settings(policy: Policy) -> dict[str, Any] | None:

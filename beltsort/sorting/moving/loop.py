@@ -1,8 +1,6 @@
 """The sorting loop on a belt that never stops: scan, track, update beliefs, plan, divert."""
 
 import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
@@ -12,12 +10,11 @@ from beltsort.cell import EmergencyStopError, Outcome
 from beltsort.cell.diverting import BeltReading, DivertingCell
 from beltsort.errors import CellError
 from beltsort.planning.policy import MovingPolicy
-from beltsort.sorting.entries import Ended, State, StateChanged
+from beltsort.sorting.ending import sort_to_end
 from beltsort.sorting.fit import check_fit
 from beltsort.sorting.heeding import Check, Heeding, nothing
 from beltsort.sorting.holds import HeldError, Hold
 from beltsort.sorting.journal import Journal, entries_of_journal
-from beltsort.sorting.loop import state_after
 from beltsort.sorting.moving.belt import BeltWatch
 from beltsort.sorting.moving.choosing import MovingChooser
 from beltsort.sorting.moving.diverting import Diverter
@@ -26,7 +23,6 @@ from beltsort.sorting.moving.looking import Looker, PerceiveMoving
 from beltsort.sorting.moving.record import MovingRecord, Patience
 from beltsort.sorting.moving.report import MovingReport
 from beltsort.sorting.moving.state import MovingState
-from beltsort.sorting.requests import Request
 from beltsort.sorting.rules import Rules
 
 log = logging.getLogger(__name__)
@@ -156,43 +152,18 @@ class _MovingLoop:
 
     def run(self, first: MovingStarted | MovingResumed) -> MovingReport:
         """Write the first entry, take steps until all objects have left, and journal how it ended."""
-        stop: Request | None = None
-        try:
-            with self.stopping():
-                self.record(first)
-                self.record(StateChanged(State.EXECUTE, first.kind))
-                self.looker.move(self.state.viewpoint)
-                self.check_speed()
-                while not self.state.done:
-                    self.check()
-                    if stop := self.heed():
-                        break
-                    self.step()
-        except BaseException as failure:
-            ways = [*failure.hold.ways] if isinstance(failure, HeldError) else None
-            self.record(StateChanged(state_after(failure), repr(failure), ways=ways))
-            self.record(Ended(repr(failure)))
-            raise
-        if stop is None:
-            self.record(StateChanged(State.COMPLETE, "all objects have left the belt"))
-            self.record(Ended("done"))
-        else:
-            self.record(StateChanged(State.STOPPED, f"{stop.by} asked to stop"))
-            self.record(Ended("stopped"))
+        stop = sort_to_end(self.record, first, self.cell, self, self.begin)
         return MovingReport.of(self.state, None if stop is None else stop.by)
 
-    @contextmanager
-    def stopping(self) -> Iterator[None]:
-        """Stop belt, arm and camera if the block raises an exception, including an interrupt."""
-        try:
-            yield
-        except BaseException as failure:
-            for device in (self.cell.belt, self.cell.arm, self.cell.camera):
-                try:
-                    device.stop()
-                except BaseException as reason:  # also an interrupt: the others must be stopped
-                    failure.add_note(f"a device could not be stopped: {reason!r}")
-            raise
+    @property
+    def done(self) -> bool:
+        """Whether all objects have left the belt."""
+        return self.state.done
+
+    def begin(self) -> None:
+        """Bring the camera to where the run has it, and check the belt's speed."""
+        self.looker.move(self.state.viewpoint)
+        self.check_speed()
 
     def step(self) -> None:
         """Tell what has left, follow the diversions, and take the policy's next action."""
