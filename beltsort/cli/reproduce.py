@@ -38,8 +38,8 @@ def add_parser(subparsers: Subparsers) -> None:
     what.add_argument(
         "--quick",
         action="store_true",
-        help="few batches, three penalties for depth scans, no discount of 0.99, at most three positions; "
-        "takes under four minutes",
+        help="few batches, three penalties for depth scans, no discount of 0.99, at most three positions, "
+        "three belt speeds; takes under four minutes",
     )
     what.add_argument(
         "--from",

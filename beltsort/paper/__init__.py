@@ -27,6 +27,7 @@ from beltsort.paper.curves import (
     accuracy_figure,
     beyond_figure,
     bounds_figure,
+    moving_figure,
     one_against_two_figure,
     steps_figure,
 )
@@ -34,6 +35,7 @@ from beltsort.paper.design import FULL, QUICK, Design
 from beltsort.paper.figures import single_position_run
 from beltsort.paper.instances import FOUR, OBJECTS, PAPER, TWO, Instance, Objects
 from beltsort.paper.labels import label_point, label_points, simulate_labels
+from beltsort.paper.moving import moving_points, moving_table, sort_moving
 from beltsort.paper.optimum import bound_optimum, losses_table
 from beltsort.paper.outcomes import only, plain_table, select
 from beltsort.paper.outline import THE_PAPER, Outline
@@ -77,6 +79,9 @@ __all__ = [
     "label_points",
     "losses_table",
     "mean",
+    "moving_figure",
+    "moving_points",
+    "moving_table",
     "one_against_two_figure",
     "only",
     "own_study",
@@ -94,6 +99,7 @@ __all__ = [
     "simulate_labels",
     "single_position_run",
     "slope",
+    "sort_moving",
     "sort_scans",
     "steps_figure",
 ]

@@ -65,7 +65,7 @@ class Circumstances:
         outline = Outline.from_plain(plain["outline"]) if "outline" in plain else THE_PAPER
         design: dict[str, Any] = {
             name: tuple(value) if isinstance(value, list) else value
-            for name, value in plain["design"].items()
+            for name, value in {"speeds": [], **plain["design"]}.items()  # files before there were any
         }
         return cls(**{**plain, "design": Design(**design), "outline": outline})
 

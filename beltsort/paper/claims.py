@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from beltsort.paper.beyond import beyond_claims
 from beltsort.paper.instances import FOUR, OBJECTS, TWO
 from beltsort.paper.modes import TOLERATED, mode_claims
+from beltsort.paper.moving import moving_claims
 from beltsort.paper.outcomes import LABELS, SCANS, Row, only, select
 from beltsort.paper.outline import THE_PAPER, Outline, positions_in_words
 from beltsort.paper.policies import OPTIMUM, PLANNERS, PUBLISHED, RECOMMENDED, THRESHOLD
@@ -23,7 +24,11 @@ WANTED_SAVING = 0.10
 
 
 def all_claims(
-    rows: Sequence[Row], beyond: Sequence[Row], optimum: Sequence[Row], outline: Outline = THE_PAPER
+    rows: Sequence[Row],
+    beyond: Sequence[Row],
+    optimum: Sequence[Row],
+    outline: Outline = THE_PAPER,
+    moving: Sequence[Row] = (),
 ) -> list[ClaimResult]:
     """Return what all rows say of all claims, the main one first.
 
@@ -37,6 +42,8 @@ def all_claims(
         From `bound_optimum`.
     outline
         What was varied; claims that do not apply to it are left out.
+    moving
+        Of belts that never stop, from `beltsort.paper.moving.moving_table`.
     """
     return [
         *(
@@ -51,6 +58,7 @@ def all_claims(
         *(_levels(rows) if select(rows, level=SCANS) else []),
         *mode_claims(rows),
         *beyond_claims(beyond),
+        *moving_claims(moving),
     ]
 
 

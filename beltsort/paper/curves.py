@@ -30,6 +30,7 @@ from beltsort.paper.style import (
     shared_legend,
     style,
 )
+from beltsort.planning.throughput import PURITY
 from beltsort.util.figure_style import column_style
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ ROW_ALONE = 2.0  # inches; height of a panel without others below it
 MOST_STEPS = 82.0  # above all curves, and the paper's 75
 VARIED = "as many positions as the axis says"
 BEYOND = (("steps", "steps for ten"), ("positives", "right of ten"))
+MOVING = (("least_purity", "purity of the least pure bin"), ("right", "right, share of all objects"))
 
 
 @column_style()
@@ -221,6 +223,29 @@ def beyond_figure(rows: Sequence[Row]) -> "Figure":
         column[0].autoscale(axis="y")
         column[0].set_ylim(bottom, None)
     shared_legend(figure, panels.ravel(), 1)
+    return figure
+
+
+@column_style()
+def moving_figure(rows: Sequence[Row]) -> "Figure":
+    """Draw least purity and right objects against the objects decided per minute, a curve per policy.
+
+    Parameters
+    ----------
+    rows
+        From `beltsort.paper.moving.moving_table`.
+    """
+    figure, panels = new_figure(len(MOVING), 1, 1.5, sharex=True)
+    for panel, (outcome, title) in zip(panels[:, 0], MOVING, strict=True):
+        for number, policy in enumerate(dict.fromkeys(row["policy"] for row in rows)):
+            found = [row for row in rows if row["policy"] == policy]
+            rates = [row["objects_per_minute"] for row in found]
+            curve(panel, rates, found, outcome, label=policy, **style(number))
+        panel.set_ylabel(title)
+        panel.grid(alpha=0.3)
+    panels[0, 0].axhline(PURITY, color="0.3", linestyle=":", linewidth=0.8)
+    panels[-1, 0].set_xlabel("objects decided per minute")
+    shared_legend(figure, panels.ravel())
     return figure
 
 

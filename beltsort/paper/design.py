@@ -18,6 +18,7 @@ class Stream(IntEnum):
     OPTIMUM = 3
     RUN = 4
     TRUE_CLASSES = 5
+    MOVING = 6
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,10 @@ class Design:
         Exponents of the tables that a planner wrongly believes in; 1 is right.
     arrivals
         Shares of the arrival prior that are on the two classes of the objects only.
+    speeds
+        Of belts that never stop, places per minute.
+    runs_moving
+        Runs at each of these speeds.
     """
 
     r_min: tuple[float, ...] = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 350.0, 500.0)
@@ -79,6 +84,8 @@ class Design:
     positions: tuple[int, ...] = (1, 2, 3, 4)
     sharpness: tuple[float, ...] = (0.5, 0.75, 1.0, 1.5, 2.0)
     arrivals: tuple[float, ...] = (0.0, 0.5, 0.9, 1.0)
+    speeds: tuple[float, ...] = (10.0, 15.0, 20.0, 30.0, 60.0)
+    runs_moving: int = 200
 
     def __post_init__(self) -> None:
         """Check that the penalty of the main claim is included."""
@@ -108,6 +115,8 @@ QUICK = Design(
     positions=(1, 2, 3),
     sharpness=(0.5, 1.0, 2.0),
     arrivals=(0.0, 1.0),
+    speeds=(10.0, 20.0, 60.0),
+    runs_moving=20,
 )
 """Every figure with few batches: to test that everything runs, not for results."""
 

@@ -11,6 +11,7 @@ from beltsort.paper.curves import (
     accuracy_figure,
     beyond_figure,
     bounds_figure,
+    moving_figure,
     one_against_two_figure,
     steps_figure,
 )
@@ -24,6 +25,7 @@ from beltsort.paper.printed import R_MIN
 from beltsort.paper.scans import PreparedCell, scan_point, sort_batch, true_labels
 from beltsort.paper.setup_figures import clouds_figure, propagation_figure, reached_sphere
 from beltsort.paper.style import ERROR_BARS, save_figure
+from beltsort.planning.throughput import PURITY
 from beltsort.sim import CellConfig
 from beltsort.sorting.belief_figure import belief_figure
 from beltsort.sorting.journal import Entry, read_journal
@@ -171,4 +173,13 @@ def _of_the_optimum(numbers: Numbers) -> "Iterator[tuple[str, Figure, str]]":
             "Beyond the paper (paper's tables, r_min = 50): a reward for information, more positions, a "
             "wrong table, the arrival prior. The scale of right decisions does not begin at 0. "
             f"{ERROR_BARS}.",
+        )  # fmt: skip
+    if numbers.moving:
+        speeds = dict.fromkeys(f"{row['places_per_minute']:.3g}" for row in numbers.moving)
+        yield (
+            "moving", moving_figure(numbers.moving),
+            "A belt that never stops, and stop-and-go (paper's tables): purity of the least pure bin and the "
+            "share of all objects sorted right, against objects decided per minute. Curves join belt speeds "
+            f"of {', '.join(speeds)} places per minute; the dotted line is a purity of {PURITY:g}. The scale "
+            f"of purity does not begin at 0. {ERROR_BARS}.",
         )  # fmt: skip

@@ -24,7 +24,7 @@ from beltsort.tables import Counts
 from beltsort.tables.intervals import standard_errors
 
 SMOOTHING = 1.0
-REPRODUCIBLE = ("tables.csv", "labels.csv", "scans.csv", "beyond.csv", "printed.csv")
+REPRODUCIBLE = ("tables.csv", "labels.csv", "scans.csv", "beyond.csv", "moving.csv", "printed.csv")
 """Files that depend on the seed only; the others depend on how far the offline solutions get."""
 
 CIRCUMSTANCES = "circumstances.json"
@@ -40,6 +40,8 @@ class Numbers:
         Entries of the observation tables, of the simulated cell's in the paper's study; see `table_entries`.
     labels, scans, beyond, optimum_play
         From `beltsort.paper.outcomes.plain_table`.
+    moving
+        From `beltsort.paper.moving.moving_table`.
     optimum
         From `beltsort.paper.optimum.losses_table`.
     findings
@@ -52,6 +54,7 @@ class Numbers:
     labels: list[Row]
     scans: list[Row]
     beyond: list[Row]
+    moving: list[Row]
     optimum: list[Row]
     optimum_play: list[Row]
     findings: list[ClaimResult]
@@ -66,6 +69,7 @@ class Numbers:
             plain_table(results.labels),
             plain_table(results.scans),
             plain_table(results.beyond),
+            results.moving,
             losses_table(results.optimum),
             plain_table(results.optimum_play),
             results.claims(),
@@ -84,10 +88,11 @@ class Numbers:
         try:
             about = _circumstances_in(folder)
             findings = [ClaimResult.from_plain(row) for row in _read_csv(folder / "findings.csv")]
+            needed = set(cls._rows()) - (set() if about.design.speeds else {"moving"})
             rows = {
                 name: [_typed(row) for row in _read_csv(folder / f"{name}.csv")]
                 for name in cls._rows()
-                if about.outline.of_the_paper or (folder / f"{name}.csv").exists()
+                if (about.outline.of_the_paper and name in needed) or (folder / f"{name}.csv").exists()
             }
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise _unreadable(folder, error) from error
@@ -107,7 +112,7 @@ class Numbers:
 
     @staticmethod
     def _rows() -> tuple[str, ...]:
-        return ("tables", "labels", "scans", "beyond", "optimum", "optimum_play")
+        return ("tables", "labels", "scans", "beyond", "moving", "optimum", "optimum_play")
 
     @property
     def rows(self) -> list[Row]:

@@ -1,5 +1,6 @@
 """Points (what is simulated) and rows (their results, with one number per batch)."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -63,14 +64,16 @@ def estimates(row: Row) -> dict[str, Estimate]:
 
 
 def estimate_in(row: Row, outcome: str) -> Estimate:
-    """Return the estimate of an outcome in a row of a plain table.
+    """Return the estimate of an outcome in a row of a plain table; NaN where the cell is empty.
 
     Examples
     --------
     >>> estimate_in({"steps": 40.0, "steps_standard_error": 0.5, "batches": 100}, "steps")
     Estimate(value=40.0, standard_error=0.5, n=100)
     """
-    return Estimate(row[outcome], row[f"{outcome}_standard_error"], row["batches"])
+    value = row[outcome]
+    error = row[f"{outcome}_standard_error"]
+    return Estimate(math.nan if value is None else value, error, row["batches"])
 
 
 def pooled(rows: Sequence[Row]) -> list[Row]:

@@ -11,11 +11,14 @@ from beltsort.paper.figures import Picture
 from beltsort.paper.files import Numbers, printed_numbers
 from beltsort.paper.instances import PAPER
 from beltsort.paper.modes import STUDY as MODES
+from beltsort.paper.moving import OUTCOMES as MOVING
+from beltsort.paper.moving import SETTING, WHERE, held_table
 from beltsort.paper.outcomes import LABELS, SCANS, Row, select
 from beltsort.paper.outline import Outline
 from beltsort.paper.policies import PUBLISHED, RECOMMENDED
 from beltsort.paper.printed import TABLES_PRINTED
 from beltsort.paper.statistics import ClaimResult, Conclusion
+from beltsort.planning.throughput import PURITY
 from beltsort.util.extras import extra
 from beltsort.util.figure_style import DPI
 
@@ -61,7 +64,7 @@ NOTES = {
         ("figure_4_one_position", "figure_5_two_positions", "figure_6_steps", "figure_7_one_against_two"),
         f"{PAPERS_TABLES} {OTHER_VIEWPOINTS}",
     ),
-    **dict.fromkeys(("bounds", "beyond"), PAPERS_TABLES),
+    **dict.fromkeys(("bounds", "beyond", "moving"), PAPERS_TABLES),
 }
 """What the reader of a figure has to know of where its numbers come from, by its name."""
 CONCLUDED = (
@@ -78,6 +81,7 @@ DRAWN = (
 SHOWN = ("objects", "positions", "r_min", "policy", "batches")
 SHOWN_DPI = 150
 """Pixels of the page per inch of a figure."""
+SPEED = ("policy", "places_per_minute")
 MEANS = ("steps", "positives", "negatives")
 MOST_ROWS = 200
 """Rows of the observation tables of a model of one's own that the page shows."""
@@ -116,6 +120,8 @@ def write_report(numbers: Numbers, pictures: Sequence[Picture], folder: Path) ->
     ]
     if outline.of_the_paper:
         sections.append(Section("printed", "What the paper prints of its robot", [_table(printed_numbers())]))
+    if numbers.moving:
+        sections.append(Section("moving", "A belt that never stops", list(_moving(numbers))))
     if numbers.optimum:
         bounds = [_table(numbers.optimum)]
         sections.append(Section("optimum", "Bounds of the optimum, and losses against it", bounds))
@@ -263,13 +269,25 @@ def _numbers(numbers: Numbers) -> Iterable[str]:
             key=lambda row: (row["objects"], row["policy"] != RECOMMENDED, row["policy"], row["positions"])
         )
         yield f"<h3>{escape(title)}</h3>"
-        yield _table(
-            [
-                {name: row[name] for name in SHOWN}
-                | {name: f"{row[name]:.2f} ± {row[f'{name}_standard_error']:.2f}" for name in MEANS}
-                for row in rows
-            ]
-        )
+        yield _table([{name: row[name] for name in SHOWN} | _means(row, MEANS, 2) for row in rows])
+
+
+def _moving(numbers: Numbers) -> Iterable[str]:
+    runs, objects = (numbers.moving[0][name] for name in ("batches", "objects"))
+    yield f"<p>{escape(SETTING)} {runs} runs of {objects} objects; ± is one standard error.</p>"
+    yield _table([{name: row[name] for name in SPEED} | _means(row, MOVING, 3) for row in numbers.moving])
+    yield f"<p>Most objects per minute with a purity of at least {PURITY:g}:</p>"
+    yield _table(held_table(numbers.moving))
+    yield from _by_condition([result for result in numbers.findings if result.where == WHERE])
+
+
+def _means(row: Row, names: Iterable[str], digits: int) -> dict[str, str]:
+    """Return means with their standard errors as text; empty where there is none."""
+    found = {name: (row[name], row[f"{name}_standard_error"]) for name in names}
+    return {
+        name: "" if value is None else f"{value:.{digits}f} ± {error:.{digits}f}"
+        for name, (value, error) in found.items()
+    }
 
 
 def _table(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -12,6 +12,7 @@ from beltsort.paper.claims import all_claims
 from beltsort.paper.design import Design
 from beltsort.paper.labels import label_points, simulate_labels
 from beltsort.paper.modes import mode_label_points, mode_scan_points
+from beltsort.paper.moving import moving_points, moving_table, sort_moving
 from beltsort.paper.optimum import bound_optimum, optimum_points
 from beltsort.paper.outcomes import Point, Row, pooled
 from beltsort.paper.scans import PreparedCell, scan_points, sort_scans
@@ -38,6 +39,8 @@ class Results:
     labels, scans, beyond
         Rows of the experiments with labels drawn from tables, of those with depth scans, and of the studies
         that go beyond the paper's.
+    moving
+        A row per speed and policy on a belt that never stops; see `beltsort.paper.moving.moving_table`.
     optimum
         Bounds of the optimal value and losses of policies; see `bound_optimum`.
     seconds
@@ -49,6 +52,7 @@ class Results:
     labels: list[Row]
     scans: list[Row]
     beyond: list[Row]
+    moving: list[Row]
     optimum: list[Row]
     seconds: dict[str, float]
 
@@ -64,7 +68,7 @@ class Results:
 
     def claims(self) -> list[ClaimResult]:
         """Return, for each claim of the paper, whether the results support it."""
-        return all_claims(self.rows, self.beyond, self.optimum, self.study.outline)
+        return all_claims(self.rows, self.beyond, self.optimum, self.study.outline, self.moving)
 
 
 def cell_of(prepared: Prepared, folder: Path) -> PreparedCell:
@@ -112,16 +116,24 @@ def run_experiments(
         If the seed is negative or `workers` is below 1.
     """
     study = design if isinstance(design, Study) else papers_study(design)
-    rows: dict[str, list[Row]] = {"labels": [], "scans": [], "beyond": [], "optimum": []}
+    stages = _stages(cell, study, seed)
+    rows: dict[str, list[Row]] = {name: [] for name in stages}
     seconds: dict[str, float] = {}
-    for name, (task, points) in _stages(cell, study, seed).items():
+    for name, (task, points) in stages.items():
         began = perf_counter()
         if points:
             progress = None if stage is None else stage(name)
             rows[name] = run_points(task, points, folder / STORE / name, workers=workers, progress=progress)
             seconds[name] = perf_counter() - began
     return Results(
-        study, cell, rows["labels"], pooled(rows["scans"]), rows["beyond"], rows["optimum"], seconds
+        study,
+        cell,
+        rows["labels"],
+        pooled(rows["scans"]),
+        rows["beyond"],
+        moving_table(rows["moving"]),
+        rows["optimum"],
+        seconds,
     )
 
 
@@ -137,5 +149,6 @@ def _stages(cell: PreparedCell | None, study: Study, seed: int) -> dict[str, tup
         "labels": (simulate_labels, labels),
         "scans": (sort_scans, scans),
         "beyond": (simulate_labels, beyond_points(design, seed)),
+        "moving": (sort_moving, moving_points(design, seed)),
         "optimum": (bound_optimum, optimum_points(seed, study)),
     }

@@ -18,8 +18,8 @@ TICKS = 6
 """Names of penalties that an axis has room for, and one more."""
 
 OF_BULBS = (
-    "Depth scans, and the studies beyond the paper's (bonus for information, wrong tables, arrival prior), "
-    "are of the paper's bulbs and are left out."
+    "Depth scans, and the studies beyond the paper's (bonus for information, wrong tables, arrival prior, "
+    "belts that never stop), are of the paper's bulbs and are left out."
 )
 
 
@@ -107,6 +107,7 @@ def own_study(
         positions=(),
         sharpness=(),
         arrivals=(),
+        speeds=(),
     )
     outline = Outline(
         name=OWN,

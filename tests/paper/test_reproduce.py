@@ -38,7 +38,7 @@ pytestmark = pytest.mark.process
 ROOT = Path(__file__).parents[2]
 FIGURES = {
     "figure_1_sphere", "figure_1_clouds", "figure_2_propagation", "figure_3_run", "figure_4_one_position",
-    "figure_5_two_positions", "figure_6_steps", "figure_7_one_against_two", "bounds", "beyond",
+    "figure_5_two_positions", "figure_6_steps", "figure_7_one_against_two", "bounds", "beyond", "moving",
 }  # fmt: skip
 
 

@@ -28,6 +28,8 @@ TINY = replace(
     positions=(1, 3),
     sharpness=(1.0, 2.0),
     arrivals=(0.0, 1.0),
+    speeds=(10.0, 60.0),
+    runs_moving=2,
 )
 
 
