@@ -24,6 +24,7 @@ JITTER = 0.008  # metres, of the cups' places
 EMPTY = 0.1  # share of empty cups
 ADVANCE = 1.5  # seconds of an advance of the belt that stops
 TICK = 0.25  # seconds, about
+DISCOUNT = 0.99  # per tick
 SCAN = 0.25  # seconds from the exposure's start to the labels
 CONFIG = replace(CellConfig(), scan_seconds=SCAN, sort_seconds=0.0, advance_seconds=ADVANCE)
 
@@ -61,7 +62,7 @@ def moving_model(model: SortingModel, speed: float) -> MovingBelt:
     # The tick is such that so many of them are exactly a place.
     tick = config.layout.spacing / speed / per_place
     return MovingBelt(
-        model,
+        model.replace(discount=DISCOUNT),
         ticks_per_place=per_place,
         reach=model.positions,
         move_ticks=moves,
