@@ -63,8 +63,8 @@ class Anchored(Content):
     origin: float
     first: int
     uncounted: int = 0
-    """Most objects that may have passed without a number: under the controller's start before this one, after
-    the last scan, while nobody looked."""
+    """Most objects that may have passed without a number, if the belt did not stop: under the controller's
+    start before this one, after the last scan."""
 
 
 @dataclass(frozen=True)

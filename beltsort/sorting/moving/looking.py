@@ -170,8 +170,10 @@ class Looker:
     def _uncounted(self, stamp: float, travel: float) -> int:
         """Return how many objects may have passed between the last scan and the controller's new start.
 
-        How far the belt has moved in that time, nobody knows: at most as far as it moves without a stop.
-        Those that were seen before, and are told already, are not counted again.
+        How far the belt has moved in that time, nobody knows: at most as far as it moves without a stop, be
+        it that somebody has started it while the run was down. Those that were seen before, and are told
+        already, are not counted again. If the clock began anew, as after a restart of this computer, the time
+        counts from there.
 
         Parameters
         ----------
@@ -183,7 +185,8 @@ class Looker:
         if state.watched is None or state.lattice is None:
             return 0
         place = float(belt.seconds_per_tick or 0.0) * (belt.ticks_per_place or 1)  # seconds
-        away = stamp - state.watched - travel / spacing * place
+        since = state.watched if state.watched <= stamp else 0.0
+        away = stamp - since - travel / spacing * place
         return max(0, math.ceil(away / place) - (state.settled - state.watched_exit))
 
     def _objects(self, seen: TrackedScan, travel: float) -> list[SeenObject]:

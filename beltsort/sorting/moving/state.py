@@ -7,7 +7,7 @@ from beltsort._core import MovingBelief, MovingBelt
 from beltsort.cell.commands import MoveTo
 from beltsort.cell.diverting import Diversion
 from beltsort.errors import JournalError
-from beltsort.sorting.entries import AnyContent, Ended, Intended
+from beltsort.sorting.entries import AnyContent, Intended
 from beltsort.sorting.journal import Entry
 from beltsort.sorting.moving.entries import (
     Anchored,
@@ -60,7 +60,7 @@ class MovingState:
         Most objects that may have passed without a number, while the run was down and the controller was
         started anew.
     watched
-        Time of the last scan, seconds on the cell's clock; None if the belt has been stopped since.
+        Time of the last scan, seconds on the cell's clock; None before the first.
     watched_exit
         Number of the object that was at the exit then.
     """
@@ -189,8 +189,6 @@ class MovingState:
                     self.viewpoint = command.act.viewpoint
             case Looked() as look:
                 self._look(look)
-            case Ended():
-                self.watched = None
             case Diverting() as diverting:
                 self._divert(diverting)
             case FoundEmpty(number):

@@ -1,3 +1,4 @@
+import itertools
 import random
 from collections import Counter
 from collections.abc import Callable
@@ -107,15 +108,23 @@ def test_what_may_have_passed_before_the_controller_restarted_is_told(tmp_path: 
     assert 5 < passed <= report.uncounted <= passed + 2
 
 
-def test_nothing_is_uncounted_if_the_belt_stood(tmp_path: Path) -> None:
-    cell = plant(objects=40)
+def test_what_passes_on_a_belt_that_somebody_starts_while_the_run_is_down_is_told(tmp_path: Path) -> None:
+    cell, checks = plant(objects=60), itertools.count()
+
+    def check() -> None:
+        if next(checks) == 20:
+            write_request(tmp_path, Request.now("stop", "a test"))
+
     with taking_requests(tmp_path):
-        write_request(tmp_path, Request.now("stop", "a test"))
-        sort(tmp_path, cell, requests=tmp_path)
-    cell.wait(1000.0)
-    cell.belt.restart()
+        sort(tmp_path, cell, requests=tmp_path, objects=20, check=check)
+    cell.wait(10.0)
     cell.belt.start()
-    assert resume(tmp_path, cell).uncounted == 0
+    cell.wait(30.0)
+    cell.belt.restart()
+    report = resume(tmp_path, cell)
+    first, second = (entry.content for entry in entries(tmp_path) if isinstance(entry.content, Anchored))
+    passed = cup_at(cell, second, cell.belt.began) - cup_at(cell, first, 0.0)
+    assert 0 < passed <= report.uncounted
 
 
 @settings(deadline=None, max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
