@@ -230,7 +230,7 @@ def write_csv(entries: Iterable[Entry], path: Path) -> int:
         with path.open("w", newline="") as file:
             rows = csv.writer(file)
             rows.writerow(COLUMNS)
-            for number, e in enumerate(entries, start=1):  # noqa: B007
+            for number, e in enumerate(entries, start=1):  # noqa: B007 - its last value is returned
                 rows.writerow((e.number, e.time, e.kind, e.object, json.dumps(e.data)))
     except OSError as reason:
         raise JournalError(f"cannot write {path}: {reason}; choose a writable path") from reason

@@ -67,7 +67,7 @@ class BeltBench:
 
     def divert(self, command_id: str, order: dict[str, object], timeout: float = PATIENCE) -> DiversionStatus:
         self.orders[command_id] = (int(str(order["number"])), int(str(order["label"])))
-        return self.device.divert(command_id, **order, timeout=timeout)  # type: ignore[arg-type]
+        return self.device.divert(command_id, **order, timeout=timeout)  # type: ignore[arg-type] # fields of one order
 
     def tried(self, command_id: str, order: dict[str, object], timeout: float) -> Diversion:
         """Return what is known about a diversion after it was sent once."""
@@ -278,7 +278,7 @@ def check_under_faults(belt: BeltBench, rng: np.random.Generator, faults: Sequen
                 told[command_id] = order, belt.divert(command_id, order).state
     for command_id, (order, state) in told.items():
         if state is Diversion.QUEUED:
-            status = wait_until(lambda: final(belt, command_id, order), "the end, or a restart")  # noqa: B023
+            status = wait_until(lambda: final(belt, command_id, order), "the end, or a restart")  # noqa: B023 - it is called in this turn of the loop
             state = status.state
         label, ends = order["label"], belt.ends(order)
         if state is Diversion.DONE:

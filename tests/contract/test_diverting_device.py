@@ -285,7 +285,7 @@ def test_a_diversion_without_sense_is_not_sent(wrong: dict[str, object], said: s
     station = DivertingStation()
     order = {"number": 1, "coordinate": 0.0, "label": 0, "boot_id": station.boot_id} | wrong
     with pytest.raises(CommandError, match=said) as error:
-        station.device().divert("id", **order)  # type: ignore[arg-type]
+        station.device().divert("id", **order)  # type: ignore[arg-type] # the mistake
     assert error.value.outcome is Outcome.NOT_DONE
     assert station.connections == 0
 

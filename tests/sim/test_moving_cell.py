@@ -200,7 +200,7 @@ def test_commands_out_of_range_are_refused() -> None:
 )
 def test_settings_out_of_range_are_refused(name: str, value: float) -> None:
     with pytest.raises(CellError, match=f"{name} is {value}"):
-        BeltDrive(**{name: value})  # type: ignore[arg-type]
+        BeltDrive(**{name: value})  # type: ignore[arg-type] # the mistake
 
 
 def test_cups_that_could_touch_are_refused() -> None:

@@ -1,8 +1,8 @@
 """Moving the camera, and scans of the moving belt: labels of its objects, and beliefs from them."""
 
-import logging
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import Protocol
 
 from beltsort._core import ImpossibleObservationError, MovingBelief
@@ -16,12 +16,10 @@ from beltsort.sorting.holds import HeldError, Hold
 from beltsort.sorting.moving.belt import BeltWatch
 from beltsort.sorting.moving.entries import Anchored, Looked, SeenObject
 from beltsort.sorting.moving.lattice import Lattice
-from beltsort.sorting.moving.record import MovingRecord
+from beltsort.sorting.moving.record import MovingRecord, Patience
 from beltsort.sorting.perceived import LabelNumbers
 from beltsort.sorting.rules import Rules
 from beltsort.tracking import TrackedLook, TrackedScan, Tracker
-
-log = logging.getLogger(__name__)
 
 
 class PerceiveMoving(Protocol):
@@ -50,8 +48,8 @@ class Looker:
         Writes entries and applies them to the run's state.
     rules
         Limits.
-    check
-        Called before each further attempt at a move.
+    patience
+        Repeats a move that failed.
 
     Raises
     ------
@@ -66,10 +64,10 @@ class Looker:
         watch: BeltWatch,
         record: MovingRecord,
         rules: Rules,
-        check: Callable[[], None],
+        patience: Patience,
     ) -> None:
         self._cell, self._perceive, self._watch, self._record = cell, perceive, watch, record
-        self._rules, self._check = rules, check
+        self._rules, self._patience = rules, patience
         self._labels = LabelNumbers(perceive, record.state.belt.model)
         self._stopped = float("-inf")
         self._unusable = 0
@@ -84,30 +82,23 @@ class Looker:
         EmergencyStopError
             If the emergency stop is pressed.
         """
+        self._patience(partial(self._move, viewpoint))
+
+    def _move(self, viewpoint: int) -> None:
+        """Move the camera, and journal what comes of it."""
         arm, state = self._cell.arm, self._record.state
-        for delay in (*self._rules.retry_delays, None):
-            try:
-                boot_id = arm.health().boot_id
-                command = Command(f"{state.run}-move-{state.commands + 1}", MoveTo(viewpoint), boot_id)
-                self._record(Intended(command))
-                try:
-                    self._stopped = arm.move_to(viewpoint, command.id)
-                except CommandError as failure:
-                    self._record(CommandFailed(command.id, failure.outcome.value, repr(failure)))
-                    raise
-                except BaseException as interrupt:
-                    self._record(CommandFailed(command.id, Outcome.UNKNOWN.value, repr(interrupt)))
-                    raise
-                self._record(CommandDone(command.id, stopped=self._stopped))
-                return
-            except EmergencyStopError:
-                raise
-            except CommandError as failure:
-                if delay is None:
-                    raise HeldError(Hold(None, str(failure))) from failure
-                log.warning("again in %g s: %s", delay, failure)
-            self._cell.wait(delay)
-            self._check()
+        boot_id = arm.health().boot_id
+        command = Command(f"{state.run}-move-{state.commands + 1}", MoveTo(viewpoint), boot_id)
+        self._record(Intended(command))
+        try:
+            self._stopped = arm.move_to(viewpoint, command.id)
+        except CommandError as failure:
+            self._record(CommandFailed(command.id, failure.outcome.value, repr(failure)))
+            raise
+        except BaseException as interrupt:
+            self._record(CommandFailed(command.id, Outcome.UNKNOWN.value, repr(interrupt)))
+            raise
+        self._record(CommandDone(command.id, stopped=self._stopped))
 
     def look(self) -> None:
         """Take a scan from where the camera stands, and update what is known of the objects in it.

@@ -145,7 +145,7 @@ class _MovingLoop:
         self.tick = _checked(cell, self.state.belt)
         self.patience = Patience(rules.retry_delays, cell.wait, check)
         self.watch = BeltWatch(cell.belt, self.patience, cell.layout.spacing)
-        self.looker = Looker(cell, perceive, self.watch, record, rules, check)
+        self.looker = Looker(cell, perceive, self.watch, record, rules, self.patience)
         self.diverter = Diverter(cell, record, self.patience)
         self.chooser = MovingChooser(policy, record, self.tick)
         self.standing = False

@@ -1,6 +1,6 @@
 """Writing an entry and applying it to the state: the only way in which a run's state changes."""
 
-import time
+import logging
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -9,6 +9,8 @@ from beltsort.sorting.entries import AnyContent
 from beltsort.sorting.holds import HeldError, Hold
 from beltsort.sorting.journal import Entry, Journal
 from beltsort.sorting.moving.state import MovingState
+
+log = logging.getLogger(__name__)
 
 Result = TypeVar("Result")
 
@@ -65,19 +67,18 @@ class Patience:
         HeldError
             If the device could not be asked after the last delay.
         """
-        for delay in (*self._delays, None):
+        for delay in self._delays:
             try:
                 return question()
             except EmergencyStopError:
                 raise
             except CommandError as failure:
-                if delay is None:
-                    raise HeldError(Hold(None, str(failure))) from failure
+                log.warning("again in %g s: %s", delay, failure)
             self._wait(delay)
             self._check()
-        raise AssertionError  # pragma: no cover
-
-
-def real_wait(seconds: float) -> None:
-    """Let real time pass."""
-    time.sleep(seconds)
+        try:
+            return question()
+        except EmergencyStopError:
+            raise
+        except CommandError as failure:
+            raise HeldError(Hold(None, str(failure))) from failure
