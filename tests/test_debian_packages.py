@@ -69,6 +69,11 @@ def made_here() -> set[str]:
     return {ast.literal_eval(key).split("/")[0] for key in definitions.keys if key is not None}
 
 
+def for_ros2(file: Path) -> bool:
+    """Return whether a file runs with ROS 2's own Python: it, or a folder, is named so."""
+    return any(part.startswith("ros2") for part in file.parts)
+
+
 def of_ros2() -> set[str]:
     """Return the modules of scripts/ros2-packages.txt (std_msgs of ros-std-msgs) and ros2-interfaces."""
     lines = (ROOT / "scripts" / "ros2-packages.txt").read_text("utf-8").splitlines()
@@ -86,7 +91,7 @@ def unaccounted(files: Iterator[Path]) -> list[str]:
         f"{file.relative_to(ROOT)}:{line} {module}"
         for file in files
         for line, module in loaded_by(file.read_text("utf-8"))
-        if (top := module.split(".")[0]) not in provided | (of_ros2() if "ros2" in file.parts else set())
+        if (top := module.split(".")[0]) not in provided | (of_ros2() if for_ros2(file) else set())
         and not file.with_name(f"{top}.py").exists()
         and not {normal(name) for name in [*distributions.get(top, []), INSTALLED_AS.get(top, "")]} & named
     ]
