@@ -9,7 +9,7 @@ from beltsort._core import ImpossibleObservationError, MovingBelief
 from beltsort.cell import CommandError, EmergencyStopError, Outcome, Scan
 from beltsort.cell.commands import MoveTo
 from beltsort.cell.diverting import DivertingCell
-from beltsort.errors import CloudError
+from beltsort.errors import CloudError, TrackingError
 from beltsort.sorting.command import Command
 from beltsort.sorting.entries import CommandDone, CommandFailed, Intended, ScanUnusable
 from beltsort.sorting.holds import HeldError, Hold
@@ -124,7 +124,7 @@ class Looker:
             seen = self._perceive(scan, self._watch.tracker)
         except EmergencyStopError:
             raise
-        except (CloudError, CommandError) as reason:
+        except (CloudError, CommandError, TrackingError) as reason:
             self._record(ScanUnusable(str(reason)))
             self._unusable += 1
             if self._unusable >= self._rules.scan_attempts:

@@ -14,12 +14,13 @@ from beltsort.sorting.ending import sort_to_end
 from beltsort.sorting.fit import check_fit
 from beltsort.sorting.heeding import Check, Heeding, nothing
 from beltsort.sorting.holds import HeldError, Hold
-from beltsort.sorting.journal import Journal, entries_of_journal
+from beltsort.sorting.journal import Journal
 from beltsort.sorting.moving.belt import BeltWatch
 from beltsort.sorting.moving.choosing import MovingChooser
 from beltsort.sorting.moving.diverting import Diverter
 from beltsort.sorting.moving.entries import Fate, MovingResumed, MovingStarted, ObjectLeft
 from beltsort.sorting.moving.looking import Looker, PerceiveMoving
+from beltsort.sorting.moving.reading import moving_state_in
 from beltsort.sorting.moving.record import MovingRecord, Patience
 from beltsort.sorting.moving.report import MovingReport
 from beltsort.sorting.moving.state import MovingState
@@ -123,7 +124,7 @@ def resume_moving(
     BeltsortError
         As `sort_moving`.
     """
-    record = MovingRecord(journal, MovingState.after(entries_of_journal(journal.path)))
+    record = MovingRecord(journal, moving_state_in(journal.path))
     loop = _MovingLoop(cell, perceive, policy, record, rules or Rules(), check, requests)
     return loop.run(MovingResumed(belt=record.state.belt.to_json(), beltsort=beltsort.__version__))
 

@@ -1,12 +1,15 @@
 from collections.abc import Iterator
-from itertools import pairwise
+from dataclasses import replace
+from itertools import count, pairwise
 from pathlib import Path
 
 import pytest
 
 from beltsort import DecideAt, Move, MovingBelief, PolicyError, Wait
-from beltsort.cell import EmergencyStopError
+from beltsort.cell import EmergencyStopError, Scan
 from beltsort.errors import CellError
+from beltsort.sim import MovingCell
+from beltsort.sorting.entries import ScanUnusable
 from beltsort.sorting.holds import HeldError
 from beltsort.sorting.moving.entries import DiversionTold, Fate, Looked
 from beltsort.sorting.requests import Request, taking_requests, write_request
@@ -170,3 +173,22 @@ def test_scans_are_not_taken_earlier_than_planned(tmp_path: Path) -> None:
     tick = BELT.seconds_per_tick
     assert tick is not None
     assert min(b - a for a, b in pairwise(stamps[1:])) >= tick - 1e-9
+
+
+def test_a_scan_whose_place_on_the_belt_is_not_known_is_journalled_and_changes_nothing(
+    tmp_path: Path,
+) -> None:
+    cell, scan = plant(), MovingCell.scan
+    scans = count()
+
+    def late(**options: float) -> Scan:
+        taken = scan(cell.world, **options)
+        stamp = taken.stamp + 100.0 if next(scans) == 3 else taken.stamp
+        return replace(taken, stamp=stamp)
+
+    cell.world.scan = late  # type: ignore[method-assign] # the camera of this cell alone
+    sort(tmp_path, cell)
+    check_accounts(tmp_path, cell)
+    unusable = [entry.content for entry in entries(tmp_path) if isinstance(entry.content, ScanUnusable)]
+    assert len(unusable) == 1
+    assert "longest_gap" in unusable[0].error
