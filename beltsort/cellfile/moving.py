@@ -8,6 +8,7 @@ from beltsort.cellfile.sections import Planner, Seconds
 from beltsort.cellfile.validation import Section
 from beltsort.planning.named_moving_policy import DEFAULT_TRIALS, named_moving_policy
 from beltsort.planning.policy import MovingPolicy
+from beltsort.planning.throughput import ArmTimes
 from beltsort.util.extras import extra
 
 with extra("cell"):
@@ -55,6 +56,15 @@ class Moving(Section):
             missed=[self.missed[name] for name in model.classes] if self.missed else None,
             seconds_per_tick=self.seconds_per_tick,
         )
+
+    @property
+    def times(self) -> ArmTimes:
+        """The durations in seconds."""
+        ticks, tick = self.move_ticks, self.seconds_per_tick
+        move = (
+            ticks * tick if isinstance(ticks, int) else tuple(tuple(n * tick for n in row) for row in ticks)
+        )
+        return ArmTimes(move, self.scan_ticks * tick, 0.0, tick)
 
     def speed(self, spacing: float) -> float:
         """Return the speed of the belt, metres per second."""

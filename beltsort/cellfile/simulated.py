@@ -1,7 +1,7 @@
 """The back-end `simulated`: one simulated cell as all of its devices."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain, islice, repeat
 from typing import TYPE_CHECKING
 
@@ -94,7 +94,8 @@ def make_moving(
     from beltsort.cellfile.following_cell import FollowingCell
     from beltsort.cellfile.simulated_moving import SimulatedDivertingCell, diverters
 
-    config, labels, seed = config_of(cell, options), true_labels(options, cell), options.seed
+    config = replace(config_of(cell, options), move_seconds=moving.times.move)
+    labels, seed = true_labels(options, cell), options.seed
     others = not_simulated(cell)
     if not others:
         machine = diverters(moving.speed(cell.belt.spacing), len(cell.bin_names))
@@ -133,7 +134,12 @@ def not_simulated(cell: CellDescription) -> list[str]:
 
 def config_of_cell(cell: CellDescription) -> CellConfig:
     """Return the configuration of a cell file of which all devices are simulated; raises as `config_of`."""
-    return config_of(cell, validated(SimulatedOptions, cell.options_of("arm")))
+    return config_of(cell, options_of_cell(cell))
+
+
+def options_of_cell(cell: CellDescription) -> SimulatedOptions:
+    """Return the options of a cell file of which all devices are simulated."""
+    return validated(SimulatedOptions, cell.options_of("arm"))
 
 
 def config_of(cell: CellDescription, options: SimulatedOptions) -> CellConfig:

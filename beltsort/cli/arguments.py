@@ -40,9 +40,9 @@ def add_whole_tree(parser: ArgumentParser) -> None:
 MODEL_HELP = f"a model file (JSON), or the name of a packaged model: {', '.join(models.PACKAGED)}"
 
 
-def add_model(parser: ArgumentParser) -> None:
-    """Add the model file and the options that modify the model."""
-    parser.add_argument("model", metavar="MODEL", help=MODEL_HELP)
+def add_model(parser: ArgumentParser, text: str = MODEL_HELP) -> None:
+    """Add the model file, with a help text, and the options that modify the model."""
+    parser.add_argument("model", metavar="MODEL", help=text)
     parser.add_argument("--positions", type=int, metavar="H", help="keep the first H positions only")
     parser.add_argument(
         "--set",

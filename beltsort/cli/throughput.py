@@ -1,14 +1,25 @@
 """`beltsort throughput`: how many objects a minute a cell sorts on a belt that never stops."""
 
 from argparse import Namespace
+from dataclasses import replace
 from pathlib import Path
 
 from beltsort import ArgumentError
-from beltsort.cli.arguments import Subparsers, add_json, add_model, check_writable, load_model
+from beltsort.cli.arguments import MODEL_HELP, Subparsers, add_json, add_model, check_writable, load_model
+from beltsort.cli.console import RunConsole
 from beltsort.cli.output import print_json
-from beltsort.cli.progress import terminal_progress
+from beltsort.cli.progress import stage_progress, terminal_progress
 from beltsort.planning.named_moving_policy import HELP
-from beltsort.planning.throughput import OBJECTS, PURITY, RUNS, ArmTimes, throughput
+from beltsort.planning.throughput import (
+    CELL_OBJECTS,
+    CELL_RUNS,
+    OBJECTS,
+    PURITY,
+    RUNS,
+    ArmTimes,
+    Throughput,
+    throughput,
+)
 from beltsort.planning.throughput.figure import draw_throughput
 from beltsort.planning.throughput.table import throughput_table
 from beltsort.util.extras import require
@@ -16,6 +27,9 @@ from beltsort.util.extras import require
 SPEEDS = (10.0, 20.0, 30.0, 40.0)
 POLICIES = ("moving-search:1", "most-urgent:0.95", "stop-and-go:threshold:0.94")
 TIMES = ArmTimes()
+CELL = ".toml"
+OF_MODELS = ("positions", "set", "spacing", "move", "scan", "sort", "tick", "reach", "missed")
+"""Options that are for models: a cell file says itself what they do."""
 
 EXAMPLE = "beltsort throughput paper --speeds 10 20 --runs 20 --purity 0.9"
 
@@ -28,9 +42,10 @@ def add_parser(subparsers: Subparsers) -> None:
         description="Simulate policies on a belt that never stops, at several speeds and on the same "
         "objects: shares of right, wrong and missed objects, purity of the least pure bin, objects decided "
         "per minute, reward per object, each with a 95 % interval, and the 99th percentile of the time of a "
-        "plan.",
+        "plan. For a model, labels are drawn from its tables; for a simulated cell with a table [moving], "
+        "depth scans are rendered, and the sorting loop sorts, at about a fifth of a second for each cup.",
     )
-    add_model(parser)
+    add_model(parser, f"{MODEL_HELP}; or a cell file (TOML)")
     parser.add_argument(
         "--speeds",
         type=float,
@@ -50,7 +65,6 @@ def add_parser(subparsers: Subparsers) -> None:
         parser.add_argument(
             f"--{name}",
             type=float,
-            default=getattr(TIMES, name),
             metavar="S",
             help=f"seconds of {what} (default: {getattr(TIMES, name):g})",
         )
@@ -74,15 +88,19 @@ def add_parser(subparsers: Subparsers) -> None:
         metavar="POLICY",
         help=f"{HELP} (default: {' '.join(POLICIES)})",
     )
-    for name, what, number in (
-        ("purity", "purity to hold in every bin", PURITY),
-        ("objects", "objects of a run", OBJECTS),
-        ("runs", "number of runs", RUNS),
-        ("seed", "seed of objects and labels", 0),
+    parser.add_argument(
+        "--purity",
+        type=float,
+        default=PURITY,
+        metavar="P",
+        help=f"purity to hold in every bin (default: {PURITY:g})",
+    )
+    for name, what in (
+        ("objects", f"objects of a run (default: {OBJECTS}; {CELL_OBJECTS} of a cell, empty cups included)"),
+        ("runs", f"number of runs (default: {RUNS}; {CELL_RUNS} of a cell)"),
+        ("seed", "seed of objects and labels (default: 0; of a cell the cell file's)"),
     ):
-        parser.add_argument(
-            f"--{name}", type=type(number), default=number, metavar="N", help=f"{what} (default: {number})"
-        )
+        parser.add_argument(f"--{name}", type=int, metavar="N", help=what)
     parser.add_argument("--figure", type=Path, metavar="FILE", help="draw the results (png, svg or pdf)")
     add_json(parser)
     parser.set_defaults(run=run)
@@ -90,24 +108,11 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: Namespace) -> int:
     """Simulate, draw and print."""
-    model = load_model(arguments)
     if arguments.figure is not None:
         check_writable(arguments.figure)
         require("plot", "matplotlib")
-    with terminal_progress("policies") as progress:
-        found = throughput(
-            model,
-            arguments.policies,
-            _places_per_minute(arguments),
-            ArmTimes(arguments.move, arguments.scan, arguments.sort, arguments.tick),
-            reach=arguments.reach,
-            missed=arguments.missed,
-            purity=arguments.purity,
-            objects=arguments.objects,
-            runs=arguments.runs,
-            seed=arguments.seed,
-            progress=progress,
-        )
+    simulate = _of_cell if arguments.model.endswith(CELL) else _of_model
+    found = simulate(arguments)
     if arguments.figure is not None:
         draw_throughput(found, arguments.figure)
     if arguments.json:
@@ -116,6 +121,63 @@ def run(arguments: Namespace) -> int:
         print(throughput_table(found))
         print(f"Made by: {arguments.command_line}")
     return 0
+
+
+def _of_model(arguments: Namespace) -> Throughput:
+    """Return the study of a model."""
+    model = load_model(arguments)
+    seconds = {name: getattr(arguments, name) for name in ("move", "scan", "sort", "tick")}
+    with terminal_progress("policies") as progress:
+        return throughput(
+            model,
+            arguments.policies,
+            _places_per_minute(arguments),
+            replace(TIMES, **{name: value for name, value in seconds.items() if value is not None}),
+            reach=arguments.reach,
+            missed=arguments.missed,
+            purity=arguments.purity,
+            objects=_given(arguments.objects, OBJECTS),
+            runs=_given(arguments.runs, RUNS),
+            seed=_given(arguments.seed, 0),
+            progress=progress,
+        )
+
+
+def _of_cell(arguments: Namespace) -> Throughput:
+    """Return the study of a simulated cell.
+
+    Raises
+    ------
+    ArgumentError
+        If an option is given that is for models.
+    """
+    from beltsort.cellfile.description import CellDescription
+    from beltsort.cellfile.throughput import cell_throughput
+
+    if given := [f"--{name}" for name in OF_MODELS if getattr(arguments, name) not in (None, [])]:
+        raise ArgumentError(
+            f"{', '.join(given)} and a cell file are given, expected a model with it: leave it out, and "
+            f"change {arguments.model} instead"
+        )
+    arguments.cell = arguments.model  # named by the message of an error
+    description = CellDescription.load(arguments.cell)
+    console = RunConsole(stderr=True)
+    with stage_progress(console) as stage:
+        return cell_throughput(
+            description,
+            arguments.policies,
+            arguments.speeds,
+            purity=arguments.purity,
+            objects=_given(arguments.objects, CELL_OBJECTS),
+            runs=_given(arguments.runs, CELL_RUNS),
+            seed=arguments.seed,
+            stage=stage,
+            progress=stage("runs"),
+        )
+
+
+def _given(number: int | None, default: int) -> int:
+    return default if number is None else number
 
 
 def _places_per_minute(arguments: Namespace) -> list[float]:

@@ -2,13 +2,57 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from beltsort._core import MovingEvaluation
-from beltsort.planning.bins import BinStatistics, Estimate, bin_statistics, mean_of, ratio_of
+from beltsort._core import MovingBelt
+from beltsort.planning.bins import BinStatistics, Counts, Estimate, Floats, bin_statistics, mean_of, ratio_of
 from beltsort.util.text import text_table
+
+
+class MovingRuns(Protocol):
+    """Outcomes of runs on a moving belt, arrays of shape (runs,): a `MovingEvaluation`, or runs of a cell."""
+
+    @property
+    def belt(self) -> MovingBelt:
+        """The belt."""
+
+    @property
+    def objects(self) -> int | Counts:
+        """Objects of each run."""
+
+    @property
+    def ticks(self) -> Counts | Floats:
+        """Ticks of each run."""
+
+    @property
+    def looks(self) -> Counts:
+        """Looks at undecided objects; a scan of two of them counts twice."""
+
+    @property
+    def right(self) -> Counts:
+        """Decisions into a bin than which none is worth more for the object's class."""
+
+    @property
+    def wrong(self) -> Counts:
+        """Other decisions."""
+
+    @property
+    def missed(self) -> Counts:
+        """Objects that passed the exit undecided, by true class, shape (runs, L)."""
+
+    @property
+    def confusion(self) -> Counts:
+        """Decided objects by bin and true class, shape (runs, B, L)."""
+
+    @property
+    def returns(self) -> Floats:
+        """Sum of rewards."""
+
+    @property
+    def discounted_returns(self) -> Floats | None:
+        """Sum of rewards, each discounted from its tick; None if their ticks are not known."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +64,7 @@ class MovingStatistics:
     reward_per_object
         Sum of rewards, missed objects and moves included, by the number of objects.
     discounted_return
-        Sum of rewards, each discounted from its tick.
+        Sum of rewards, each discounted from its tick; None of runs of a cell.
     right, wrong, missed
         Shares of the objects: decided into a bin where they belong, into another one, and not decided before
         they passed the exit.
@@ -35,7 +79,7 @@ class MovingStatistics:
     """
 
     reward_per_object: Estimate
-    discounted_return: Estimate
+    discounted_return: Estimate | None
     right: Estimate
     wrong: Estimate
     missed: Estimate
@@ -70,13 +114,14 @@ class MovingStatistics:
         return text_table(rows)
 
 
-def moving_statistics(evaluation: MovingEvaluation) -> MovingStatistics:
+def moving_statistics(evaluation: MovingRuns) -> MovingStatistics:
     """Return the statistics of simulated runs.
 
     Objects per minute and purities are ratios of totals over all runs, with the standard errors of ratio
     estimators (Cochran, "Sampling Techniques", 3rd edition, 1977, section 6.3).
     """
     belt, objects = evaluation.belt, evaluation.objects
+    discounted = evaluation.discounted_returns
     confusion = evaluation.confusion.astype(np.float64)
     missed = evaluation.missed.astype(np.float64)
     ticks = evaluation.ticks.astype(np.float64)
@@ -85,7 +130,7 @@ def moving_statistics(evaluation: MovingEvaluation) -> MovingStatistics:
         per_minute = ratio_of(confusion.sum(axis=(1, 2)), ticks * belt.seconds_per_tick / 60)
     return MovingStatistics(
         reward_per_object=mean_of(evaluation.returns / objects),
-        discounted_return=mean_of(evaluation.discounted_returns),
+        discounted_return=None if discounted is None else mean_of(discounted),
         right=mean_of(evaluation.right / objects),
         wrong=mean_of(evaluation.wrong / objects),
         missed=mean_of(missed.sum(axis=1) / objects),

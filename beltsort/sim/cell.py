@@ -188,7 +188,7 @@ class SimulatedCell:
             )
 
         def move() -> None:
-            self._spend("the move", self._config.move_seconds, timeout)
+            self._spend("the move", self._config.seconds_of_move(self._viewpoint, viewpoint), timeout)
             self._viewpoint = viewpoint
 
         return self._once(("move_to", viewpoint), command_id, move)

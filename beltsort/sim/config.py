@@ -117,7 +117,8 @@ class CellConfig:
     reject_bin
         Bin index under which `sort` accepts undecided objects, or None.
     move_seconds, scan_seconds, sort_seconds, advance_seconds
-        Duration of each action on the simulated clock.
+        Duration of each action on the simulated clock; that of a move may be given from each of the K
+        viewpoints to each, ``move_seconds[start][end]``.
     """
 
     classes: tuple[str, ...] = CLASSES
@@ -137,7 +138,7 @@ class CellConfig:
     belt_width: float = 0.2
     upstream: int = 1
     reject_bin: int | None = None
-    move_seconds: float = 2.0
+    move_seconds: float | tuple[tuple[float, ...], ...] = 2.0
     scan_seconds: float = 0.1
     sort_seconds: float = 3.0
     advance_seconds: float = 1.5
@@ -163,12 +164,25 @@ class CellConfig:
                 "of classes; choose another"
             )
 
+    def seconds_of_move(self, start: int, end: int) -> float:
+        """Return the duration of a move from a viewpoint to another one."""
+        moves = self.move_seconds
+        return moves if isinstance(moves, float | int) else moves[start][end]
+
     def mesh_files(self, name: str) -> tuple[str, ...]:
         """Return the mesh files of a class, none for a built-in shape."""
         given = self.meshes.get(name, ())
         return (given,) if isinstance(given, str) else tuple(given)
 
     def _check_numbers(self) -> None:
+        moves, viewpoints = self.move_seconds, len(self.viewpoints)
+        if not isinstance(moves, float | int):
+            lengths = [len(row) for row in moves]
+            if lengths != [viewpoints] * viewpoints:
+                raise CellError(
+                    f"move_seconds has rows of {lengths} numbers, expected {viewpoints} rows of "
+                    f"{viewpoints}: give one for each viewpoint, or one number for all moves"
+                )
         for name, value, least in (
             ("size_spread", self.size_spread, 0),
             ("upstream", self.upstream, 0),

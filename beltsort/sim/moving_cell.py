@@ -199,15 +199,17 @@ class MovingCell:
                 f"({', '.join(self.viewpoints)})",
                 Outcome.NOT_DONE,
             )
-        self._arm = (self._arm[1], viewpoint, self.clock, self.clock + self.config.move_seconds)
+        start = self._arm[1]
+        self._arm = (start, viewpoint, self.clock, self.clock + self.config.seconds_of_move(start, viewpoint))
         return self._arm[3]
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
         """Move the camera to `viewpoint`; return the time at which it stopped, seconds."""
         if command_id not in self._done:
-            if self.config.move_seconds > timeout:
+            seconds = self.config.seconds_of_move(self._arm[1], viewpoint)
+            if seconds > timeout:
                 raise CommandError(
-                    f"the move takes {self.config.move_seconds:g} s, expected at most the timeout of "
+                    f"the move takes {seconds:g} s, expected at most the timeout of "
                     f"{timeout:g} s; give a longer one",
                     Outcome.NOT_DONE,
                 )

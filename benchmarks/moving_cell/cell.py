@@ -56,7 +56,7 @@ def moving_model(model: SortingModel, speed: float) -> MovingBelt:
     """The model of a belt of that speed, with the arm's times."""
     config = CONFIG
     per_place = max(1, round(config.layout.spacing / speed / TICK))
-    move = math.ceil(config.move_seconds / TICK)
+    move = math.ceil(config.seconds_of_move(0, 1) / TICK)
     viewpoints = len(config.viewpoints)
     moves = [[0 if a == b else move for b in range(viewpoints)] for a in range(viewpoints)]
     # The tick is such that so many of them are exactly a place.

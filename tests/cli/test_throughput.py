@@ -1,11 +1,15 @@
 """beltsort throughput."""
 
+import json
 from pathlib import Path
 
 import pytest
 
+from beltsort.cellfile.description import CellDescription
+from beltsort.cellfile.throughput import cell_throughput
 from beltsort.models import paper
 from beltsort.planning.throughput import ArmTimes, throughput
+from tests.cellfile.test_moving import EXAMPLE, changed
 from tests.cli.running import command, json_of, output
 
 OPTIONS = ["--runs", "5", "--objects", "6", "--seed", "3"]
@@ -39,3 +43,26 @@ def test_options_that_make_no_sense_are_refused(options: list[str], named: str) 
     done = command("throughput", "paper", *options)
     assert done.returncode != 0
     assert named in done.stderr
+
+
+def test_a_cell_is_studied_as_by_the_library(tmp_path: Path) -> None:
+    path = changed(tmp_path, ("exposure = 0.03", "exposure = 0.0"))
+    options = ["--policies", "most-urgent:0.8", "--speeds", "30", "--runs", "1", "--objects", "2"]
+    done = command("throughput", str(path), *options, "--seed", "4", "--json")
+    assert done.stderr == "runs 100 %\n"
+    found = json.loads(done.stdout)
+    assert found.pop("command_line").endswith("--seed 4 --json")
+    alone = cell_throughput(
+        CellDescription.load(path), ["most-urgent:0.8"], [30], objects=2, runs=1, seed=4, workers=1
+    ).to_dict()
+    alone["seconds"]["move"] = [list(row) for row in alone["seconds"]["move"]]
+    assert found == alone
+
+
+def test_options_for_models_are_refused_with_a_cell_and_errors_name_it() -> None:
+    done = command("throughput", str(EXAMPLE), "--reach", "1", "--set", "r_min=5")
+    assert done.returncode != 0
+    assert "--set, --reach and a cell file are given" in done.stderr
+    done = command("throughput", str(EXAMPLE.with_name("simulated.toml")))
+    assert done.returncode != 0
+    assert "simulated.toml is not a valid cell file:\nmoving: is missing" in done.stderr

@@ -1,6 +1,8 @@
 """The study of throughput: speeds in ticks, pairing, and what holds a purity."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,6 +28,9 @@ def test_times_of_the_arm_are_rounded_up_and_those_of_the_belt_to_the_nearest_ti
     belt = ArmTimes(move=0.51, scan=0.25, sort=0.1, tick=0.25).belt(MODEL, 31, reach=1)
     assert (belt.look_ticks.max(), belt.decision_ticks, belt.ticks_per_place) == (3 + 1, 1, 8)
     assert ArmTimes(move=0.3, scan=0.0, tick=0.1).belt(MODEL, 60).look_ticks.max() == 3
+    moves = ((0.0, 0.3, 0.6), (0.3, 0.0, 0.31), (0.6, 0.31, 0.0))
+    ticks = ArmTimes(move=moves, scan=0.3, tick=0.3).belt(MODEL, 10).look_ticks
+    assert ticks.tolist() == [[1, 2, 3], [2, 1, 3], [3, 3, 1]]
 
 
 def test_every_speed_and_policy_has_what_its_simulation_says(found: Throughput) -> None:
@@ -91,6 +96,12 @@ def test_numbers_are_plain_data(found: Throughput) -> None:
     np.testing.assert_allclose(shares, 1)
 
 
+def test_a_single_run_has_no_standard_errors() -> None:
+    plain = throughput(MODEL, WORDS[1:], [10], TIMES, objects=3, runs=1).to_dict()
+    json.dumps(plain, allow_nan=False)
+    assert plain["results"][1]["reward_difference"]["standard_error"] is None
+
+
 @pytest.mark.parametrize(
     ("changes", "named"),
     [
@@ -109,7 +120,9 @@ def test_a_study_that_makes_no_sense_is_refused(changes: dict[str, object], name
         throughput(MODEL, **{**settings, **changes})  # type: ignore[arg-type]  # the mistakes
 
 
-@pytest.mark.parametrize("times", [{"tick": 0.0}, {"move": -1.0}, {"scan": float("nan")}])
-def test_times_that_make_no_sense_are_refused(times: dict[str, float]) -> None:
+@pytest.mark.parametrize(
+    "times", [{"tick": 0.0}, {"move": -1.0}, {"move": ((-1.0,),)}, {"scan": float("nan")}]
+)
+def test_times_that_make_no_sense_are_refused(times: dict[str, Any]) -> None:
     with pytest.raises(ArgumentError, match="seconds"):
         ArmTimes(**times)

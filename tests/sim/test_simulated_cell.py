@@ -10,12 +10,13 @@ import numpy as np
 import open3d
 import pytest
 
-from beltsort.cell import Cell, Scan
+from beltsort.cell import Cell, CommandError, Scan
 from beltsort.errors import CellError
 from beltsort.geometry import BeltLayout, Points, transform
 from beltsort.sim import (
     ArmErrors,
     CellConfig,
+    MovingCell,
     PoseMix,
     SensorNoise,
     SimulatedCell,
@@ -173,6 +174,23 @@ def test_the_clock_runs_and_scans_wait_for_their_time() -> None:
     assert stop == CellConfig().move_seconds
     assert cell.scan(not_before=stop).stamp == stop
     assert cell.scan(not_before=20.0).stamp == 20.0
+
+
+MOVES = ((0.0, 1.0, 2.0), (1.0, 0.0, 3.0), (2.0, 4.0, 0.5))
+
+
+@pytest.mark.parametrize("kind", [SimulatedCell, MovingCell])
+def test_each_move_takes_its_time(kind: type[SimulatedCell] | type[MovingCell]) -> None:
+    cell = kind([0], config=CellConfig(move_seconds=MOVES))
+    stops = [cell.move_to(goal, f"move-{n}") for n, goal in enumerate([0, 1, 2, 2, 1])]
+    assert stops == [0.0, 1.0, 4.0, 4.5, 8.5]
+    with pytest.raises(CommandError, match="takes 3 s, expected at most the timeout of 2 s"):
+        cell.move_to(2, "slow", timeout=2.0)
+
+
+def test_a_time_is_needed_for_each_move() -> None:
+    with pytest.raises(CellError, match=r"rows of \[3, 3\] numbers, expected 3 rows of 3"):
+        CellConfig(move_seconds=MOVES[:2])
 
 
 def test_a_reject_bin_takes_undecided_objects() -> None:

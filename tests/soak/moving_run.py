@@ -36,7 +36,8 @@ from beltsort.util.randomness import generator
 
 SPEED, SEED, EVERY = 0.18, 23, 100
 EXPOSURE = 0.02
-CONFIG = CellConfig(move_seconds=0.3, scan_seconds=0.05)
+MOVE = 0.3  # seconds
+CONFIG = CellConfig(move_seconds=MOVE, scan_seconds=0.05)
 TICKS = 4
 """Ticks of a quarter of a second in which the belt moves on by a place."""
 
@@ -89,8 +90,8 @@ class World(MovingCell):
         self._seen = [self._seen[1], (reading.stamp, before + reading.travel)]
 
     def move_to(self, viewpoint: int, command_id: str, *, timeout: float = TIMEOUT) -> float:
-        self._arm = (self._arm[1], viewpoint, self.clock, self.clock + CONFIG.move_seconds)
-        time.sleep(CONFIG.move_seconds)
+        self._arm = (self._arm[1], viewpoint, self.clock, self.clock + MOVE)
+        time.sleep(MOVE)
         return self.clock
 
     def scan(self, *, not_before: float, timeout: float = TIMEOUT) -> Scan:

@@ -2,6 +2,8 @@
 
 from beltsort.planning.throughput.arm import ArmTimes
 from beltsort.planning.throughput.study import (
+    CELL_OBJECTS,
+    CELL_RUNS,
     OBJECTS,
     PURITY,
     RUNS,
@@ -11,4 +13,15 @@ from beltsort.planning.throughput.study import (
     throughput,
 )
 
-__all__ = ["OBJECTS", "PURITY", "RUNS", "ArmTimes", "Held", "SpeedResult", "Throughput", "throughput"]
+__all__ = [
+    "CELL_OBJECTS",
+    "CELL_RUNS",
+    "OBJECTS",
+    "PURITY",
+    "RUNS",
+    "ArmTimes",
+    "Held",
+    "SpeedResult",
+    "Throughput",
+    "throughput",
+]

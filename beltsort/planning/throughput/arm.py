@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import chain
 
 from beltsort._core import ArgumentError, MovingBelt, SortingModel
 
@@ -13,7 +14,8 @@ class ArmTimes:
     Attributes
     ----------
     move
-        Seconds of a move of the camera, also from a viewpoint to itself.
+        Seconds of a move of the camera, also from a viewpoint to itself; or those from each of the K
+        viewpoints to each, ``move[start][end]``.
     scan
         Seconds of a scan and its labels.
     sort
@@ -23,7 +25,7 @@ class ArmTimes:
         that takes longer; the time of the belt for a place is rounded to the nearest tick.
     """
 
-    move: float = 0.5
+    move: float | tuple[tuple[float, ...], ...] = 0.5
     scan: float = 0.5
     sort: float = 0.0
     tick: float = 0.5
@@ -36,7 +38,9 @@ class ArmTimes:
         ArgumentError
             For a time that is negative or not finite, or a tick of 0.
         """
-        for name, seconds in vars(self).items():
+        moves = [self.move] if isinstance(self.move, float | int) else chain.from_iterable(self.move)
+        given = [*(("move", seconds) for seconds in moves), *list(vars(self).items())[1:]]
+        for name, seconds in given:
             if not math.isfinite(seconds) or seconds < 0 or (name == "tick" and seconds == 0):
                 raise ArgumentError(
                     f"{name} = {seconds} seconds, expected a finite time that is not negative, and a tick "
@@ -68,6 +72,29 @@ class ArmTimes:
         ArgumentError
             For a speed that is not positive, or at which the belt passes a place in under half a tick.
         """
+        if isinstance(self.move, float | int):
+            move: int | list[list[int]] = self._ticks(self.move)
+        else:
+            move = [[self._ticks(seconds) for seconds in row] for row in self.move]
+        return MovingBelt(
+            model,
+            ticks_per_place=self.ticks_per_place(places_per_minute),
+            reach=model.positions if reach is None else reach,
+            move_ticks=move,
+            scan_ticks=self._ticks(self.scan),
+            sort_ticks=self._ticks(self.sort),
+            missed=None if missed is None else [missed] * len(model.classes),
+            seconds_per_tick=self.tick,
+        )
+
+    def ticks_per_place(self, places_per_minute: float) -> int:
+        """Return the ticks in which a belt of a speed passes a place.
+
+        Raises
+        ------
+        ArgumentError
+            As `belt`.
+        """
         if not (math.isfinite(places_per_minute) and places_per_minute > 0):
             raise ArgumentError(
                 f"a belt speed is {places_per_minute:g} places per minute, expected one above 0: correct it"
@@ -79,16 +106,7 @@ class ArmTimes:
                 f"{60 / places_per_minute:.3g} s, expected at least half a tick of {self.tick:g} s: choose a "
                 "shorter tick"
             )
-        return MovingBelt(
-            model,
-            ticks_per_place=ticks,
-            reach=model.positions if reach is None else reach,
-            move_ticks=self._ticks(self.move),
-            scan_ticks=self._ticks(self.scan),
-            sort_ticks=self._ticks(self.sort),
-            missed=None if missed is None else [missed] * len(model.classes),
-            seconds_per_tick=self.tick,
-        )
+        return ticks
 
     def _ticks(self, seconds: float) -> int:
         return math.ceil(seconds / self.tick - 1e-9)

@@ -1,19 +1,22 @@
 """Policies at several belt speeds, on the same objects."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from beltsort._core import ArgumentError, MovingPlanner, SortingModel, evaluate_moving
+from beltsort.planning.bins import Floats
 from beltsort.planning.difference import Difference, half_interval, paired_difference
-from beltsort.planning.moving import MovingStatistics
+from beltsort.planning.moving import MovingRuns, MovingStatistics, moving_statistics
 from beltsort.planning.named_moving_policy import named_moving_policy
 from beltsort.planning.throughput.arm import ArmTimes
 from beltsort.planning.timed import TimedPlanner
+from beltsort.util.text import numbers_or_none
 
 PERCENTILE = 0.99
 PURITY = 0.95
@@ -22,6 +25,8 @@ OBJECTS = 50
 """Objects of a run, likewise."""
 RUNS = 60
 """Number of runs, likewise."""
+CELL_OBJECTS, CELL_RUNS = 20, 8
+"""The same of a cell, whose scans are rendered."""
 
 
 @dataclass(frozen=True)
@@ -191,38 +196,84 @@ def throughput(
     >>> [result.ticks_per_place for result in found.of("most-urgent:0.9")]
     [12, 3]
     """
+    check_study(policies, speeds, purity)
+    total = len(policies) * len(speeds)
+    if progress is not None:
+        progress(0, total)
+
+    def simulated() -> Iterator[Simulated]:
+        for number, (speed, name) in enumerate(product(speeds, policies), start=1):
+            belt = times.belt(model, speed, reach, missed)
+            own_belt, policy = named_moving_policy(name, belt, folder)
+            timed = TimedPlanner(policy) if isinstance(policy, MovingPlanner) else None
+            found = evaluate_moving(own_belt, timed or policy, objects=objects, runs=runs, seed=seed)
+            yield Simulated(name, times.ticks_per_place(speed), found, timed.seconds if timed else ())
+            if progress is not None:
+                progress(number, total)
+
+    return Throughput(tuple(speed_results(simulated(), times.tick)), times, purity, objects, runs, seed)
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """The runs of a policy at a belt speed.
+
+    Attributes
+    ----------
+    policy
+        Its name.
+    ticks_per_place
+        The belt's speed; for stop-and-go the one at which it advances.
+    runs
+        What they came to.
+    plan_seconds
+        Wall-clock times of plans; none of policies that do not search.
+    """
+
+    policy: str
+    ticks_per_place: int
+    runs: MovingRuns
+    plan_seconds: Sequence[float]
+
+
+def check_study(policies: Sequence[str], speeds: Sequence[float], purity: float) -> None:
+    """Check what a study compares.
+
+    Raises
+    ------
+    ArgumentError
+        For no or repeated policies or speeds, or a purity outside (0, 1].
+    """
     for what, given in (("policies", policies), ("speeds", speeds)):
         if not given or len(set(given)) < len(given):
             raise ArgumentError(f"{what} = {list(given)}, expected one at least, and each once: correct it")
     if not 0 < purity <= 1:
         raise ArgumentError(f"purity = {purity}, expected a share above 0 and at most 1: correct it")
-    total = len(policies) * len(speeds)
-    if progress is not None:
-        progress(0, total)
-    results: list[SpeedResult] = []
-    for speed in speeds:
-        belt = times.belt(model, speed, reach, missed)
-        assert belt.ticks_per_place is not None
-        baseline = None
-        for name in policies:
-            own_belt, policy = named_moving_policy(name, belt, folder)
-            timed = TimedPlanner(policy) if isinstance(policy, MovingPlanner) else None
-            found = evaluate_moving(own_belt, timed or policy, objects=objects, runs=runs, seed=seed)
-            rewards = found.returns / objects
-            baseline = rewards if baseline is None else baseline
-            results.append(
-                SpeedResult(
-                    name,
-                    60 / (belt.ticks_per_place * times.tick),
-                    belt.ticks_per_place,
-                    found.statistics(),
-                    paired_difference(rewards, baseline),
-                    float(np.quantile(timed.seconds, PERCENTILE)) if timed else None,
-                )
-            )
-            if progress is not None:
-                progress(len(results), total)
-    return Throughput(tuple(results), times, purity, objects, runs, seed)
+
+
+def speed_results(every: Iterable[Simulated], tick: float) -> Iterator[SpeedResult]:
+    """Yield the result of each policy at each speed.
+
+    Parameters
+    ----------
+    every
+        The runs, speed by speed, of the same policies in the same order.
+    tick
+        Seconds of a tick.
+    """
+    baseline: tuple[str, Floats] | None = None
+    for one in every:
+        rewards = one.runs.returns / one.runs.objects
+        if baseline is None or baseline[0] == one.policy:
+            baseline = one.policy, rewards
+        yield SpeedResult(
+            one.policy,
+            60 / (one.ticks_per_place * tick),
+            one.ticks_per_place,
+            moving_statistics(one.runs),
+            paired_difference(rewards, baseline[1]),
+            float(np.quantile(one.plan_seconds, PERCENTILE)) if one.plan_seconds else None,
+        )
 
 
 def _per_minute(result: SpeedResult) -> float:
@@ -236,6 +287,6 @@ def _plain(result: SpeedResult) -> dict[str, Any]:
         "places_per_minute": result.places_per_minute,
         "ticks_per_place": result.ticks_per_place,
         **result.statistics.to_dict(),
-        "reward_difference": vars(result.reward_difference),
+        "reward_difference": numbers_or_none(vars(result.reward_difference)),
         "plan_seconds": result.plan_seconds,
     }
