@@ -46,7 +46,7 @@ def run(arguments: Namespace) -> int:
         )
     else:
         print(
-            f"{arguments.target}: entries {backup.first} to {backup.last}, read back; object {backup.index} "
-            "at the belt end"
+            f"{arguments.target}: entries {backup.first} to {backup.last}, read back; the next object is "
+            f"{backup.index}"
         )
     return 0

@@ -35,6 +35,7 @@ from beltsort.sorting.moving.entries import (
     Anchored,
     DiversionTold,
     Diverting,
+    EncoderJumped,
     Fate,
     FoundEmpty,
     Looked,
@@ -133,6 +134,8 @@ def level_of(content: AnyContent) -> int:
             return logging.INFO if fate in (Fate.IN_BIN, Fate.EMPTY) else logging.WARNING
         case DiversionTold(state=told):
             return logging.DEBUG if told in ("queued", "done") else logging.WARNING
+        case EncoderJumped():
+            return logging.WARNING
         case Looked() | FoundEmpty() | Diverting():
             return logging.DEBUG
         case Anchored(uncounted=uncounted):

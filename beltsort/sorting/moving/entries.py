@@ -143,6 +143,15 @@ class DiversionTold(Content):
 
 
 @dataclass(frozen=True)
+class EncoderJumped(Content):
+    """The belt's encoder jumped: coordinates of this start of the controller, and its queue, are void."""
+
+    kind = "jump"
+    boot_id: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class ObjectLeft(Content):
     """An object has left the belt: the last entry about it."""
 
@@ -216,6 +225,8 @@ class MovingSnapshot(Content):
     uncounted: int = 0
     watched: float | None = None
     watched_exit: int = 0
+    jumped: str = ""
+    """The start of the controller in which the encoder jumped."""
 
 
 MovingContent: TypeAlias = (
@@ -226,6 +237,7 @@ MovingContent: TypeAlias = (
     | Diverting
     | FoundEmpty
     | DiversionTold
+    | EncoderJumped
     | ObjectLeft
     | MovingSnapshot
 )

@@ -6,6 +6,7 @@ from beltsort.sorting.moving.entries import (
     Anchored,
     DiversionTold,
     Diverting,
+    EncoderJumped,
     Fate,
     FoundEmpty,
     Looked,
@@ -55,6 +56,8 @@ class MovingFormatter:
                 return f"object {number:>2}  empty cup  (belief {belief:.3f}, {counted(looks, 'look')})"
             case DiversionTold(number=number, state=state, reason=reason) if state not in ("queued", "done"):
                 return f"object {number:>2}  the belt says: {state}{f', {reason}' if reason else ''}"
+            case EncoderJumped(reason=reason):
+                return f"the encoder jumped: {reason}"
             case ObjectLeft(number, fate, reason):
                 left = self._left(fate, self._decided.pop(number, ""))
                 return f"object {number:>2}  {left}{f': {reason}' if reason else ''}"

@@ -145,7 +145,7 @@ class _MovingLoop:
         self.heed = Heeding(requests, record, check, pause=cell.wait, before=cell.belt.stop)
         self.tick = _checked(cell, self.state.belt)
         self.patience = Patience(rules.retry_delays, cell.wait, check)
-        self.watch = BeltWatch(cell.belt, self.patience, cell.layout.spacing)
+        self.watch = BeltWatch(cell.belt, self.patience, record, cell.layout.spacing)
         self.looker = Looker(cell, perceive, self.watch, record, rules, self.patience)
         self.diverter = Diverter(cell, record, self.patience)
         self.chooser = MovingChooser(policy, record, self.tick)

@@ -14,6 +14,7 @@ from beltsort.sorting.moving.entries import (
     BeltObject,
     DiversionTold,
     Diverting,
+    EncoderJumped,
     Fate,
     FoundEmpty,
     Looked,
@@ -63,6 +64,8 @@ class MovingState:
         Time of the last scan, seconds on the cell's clock; None before the first.
     watched_exit
         Number of the object that was at the exit then.
+    jumped
+        The start of the controller in which the encoder jumped; empty if it never did.
     """
 
     belt: MovingBelt
@@ -81,6 +84,7 @@ class MovingState:
     uncounted: int = 0
     watched: float | None = None
     watched_exit: int = 0
+    jumped: str = ""
 
     def __post_init__(self) -> None:
         """Begin to count."""
@@ -196,6 +200,8 @@ class MovingState:
                 self._settle()
             case DiversionTold(number=number, state=told, retry=retry):
                 self.on_belt[number] = replace(self.on_belt[number], state=told, retry=retry)
+            case EncoderJumped(boot_id):
+                self.jumped = boot_id
             case ObjectLeft(number, fate):
                 self._leave(number, fate)
             case _:
@@ -271,6 +277,7 @@ class MovingState:
             uncounted=self.uncounted,
             watched=self.watched,
             watched_exit=self.watched_exit,
+            jumped=self.jumped,
         )
 
     def _restore(self, snapshot: MovingSnapshot) -> None:
@@ -283,7 +290,7 @@ class MovingState:
         self.fates, self.bins = dict(snapshot.fates), list(snapshot.bins)
         self.confusion = [list(row) for row in snapshot.confusion]
         self.uncounted, self.watched = snapshot.uncounted, snapshot.watched
-        self.watched_exit = snapshot.watched_exit
+        self.watched_exit, self.jumped = snapshot.watched_exit, snapshot.jumped
 
 
 def final_fate(state: Diversion) -> Fate:

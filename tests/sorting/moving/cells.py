@@ -1,7 +1,7 @@
 """A simulated cell with a moving belt whose labels are drawn from the model's tables, and its controller."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -37,6 +37,8 @@ class FaultyBelt(SimulatedDiverters):
     def __init__(self, cell: MovingCell, machine: DivertingMachine) -> None:
         self.unreachable: Callable[[str], bool] = lambda what: False
         self.lost: Callable[[str], bool] = lambda what: False
+        self.slipped = 0.0
+        """How far the encoder has jumped, metres."""
         super().__init__(cell, machine)
 
     def answer(self, request: DiversionRequest) -> DiversionReply:
@@ -44,6 +46,7 @@ class FaultyBelt(SimulatedDiverters):
         if self.unreachable(verb):
             raise ConnectionError("the request was lost")
         reply = super().answer(request)
+        reply = replace(reply, position=reply.position + round(self.slipped * 1e6))
         if self.lost(verb):
             raise ConnectionError("the reply was lost")
         return reply

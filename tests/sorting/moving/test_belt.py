@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 from beltsort.cell import BeltReading, Health
 from beltsort.sorting.holds import HeldError
 from beltsort.sorting.moving.belt import BeltWatch
-from beltsort.sorting.moving.record import Patience
+from beltsort.sorting.moving.record import MovingRecord, Patience
+from beltsort.sorting.moving.state import MovingState
+from tests.sorting.moving.runs import BELT
 
 
 class Encoder:
@@ -32,9 +34,19 @@ class Encoder:
         raise NotImplementedError
 
 
+class Nowhere:
+    """A journal that keeps nothing."""
+
+    full = False
+
+    def append(self, content: object) -> None:
+        pass
+
+
 def watch(readings: list[BeltReading]) -> BeltWatch:
     patience = Patience((), lambda _seconds: None, lambda: None)
-    return BeltWatch(Encoder(iter(readings)), patience, 0.18)  # type: ignore[arg-type] # it diverts nothing
+    record = MovingRecord(Nowhere(), MovingState(BELT))  # type: ignore[arg-type] # it keeps nothing
+    return BeltWatch(Encoder(iter(readings)), patience, record, 0.18)  # type: ignore[arg-type] # it diverts nothing
 
 
 @given(
@@ -60,9 +72,21 @@ def test_a_jump_of_the_encoder_is_told_and_tracks_begin_anew() -> None:
     for _ in range(5):
         belt.read()
     before = belt.tracker
-    with pytest.raises(HeldError, match="encoder jumped"):
+    with pytest.raises(HeldError, match=r"encoder jumped.*restart the controller, then resume"):
         belt.read()
     assert belt.tracker is not before
+
+
+def test_after_a_jump_nothing_is_believed_until_the_controller_was_restarted() -> None:
+    travels = [0.0, 0.02, 3.0, 3.02, 3.04]
+    readings = [BeltReading(0.1 * n, travel, "a") for n, travel in enumerate(travels)]
+    belt = watch([*readings, BeltReading(1.0, 0.1, "b"), BeltReading(1.1, 0.12, "b")])
+    belt.read()
+    belt.read()
+    for _ in range(3):
+        with pytest.raises(HeldError, match="restart the controller"):
+            belt.read()
+    assert [belt.read().boot_id for _ in range(2)] == ["b", "b"]
 
 
 def test_tracks_begin_anew_when_the_controller_was_restarted() -> None:

@@ -89,6 +89,37 @@ def test_objects_on_the_belt_when_its_controller_restarts_are_told_and_tracked_a
     assert len(anchors) == 2
 
 
+@pytest.mark.parametrize(("slipped", "killed"), [(3.0, False), (-0.3, False), (-0.9, True)])
+def test_after_a_jump_of_the_encoder_the_run_goes_on_only_with_a_restarted_controller(
+    tmp_path: Path, slipped: float, killed: bool
+) -> None:
+    cell, steps = plant(objects=20), 0
+
+    def check() -> None:
+        nonlocal steps
+        steps += 1
+        if steps == 50 and killed:
+            raise Killed
+        if steps == 50:
+            cell.belt.slipped = slipped
+
+    with pytest.raises(Killed if killed else HeldError):
+        sort(tmp_path, cell, check=check)
+    cell.belt.slipped = slipped
+    for _ in range(2):
+        cell.belt.start()
+        with pytest.raises(HeldError, match="restart the controller, then resume"):
+            resume(tmp_path, cell)
+    assert [entry.kind for entry in entries(tmp_path)].count("jump") == 1
+    cell.belt.slipped = 0.0
+    cell.belt.restart()
+    cell.belt.start()
+    resume(tmp_path, cell)
+    fates = Counter(check_accounts(tmp_path, cell).values())
+    assert fates[Fate.LOST] + fates[Fate.UNKNOWN] > 0
+    assert fates[Fate.IN_BIN] > 3
+
+
 def cup_at(cell: MovingPlant, anchor: Anchored, began: float) -> int:
     """The cup that would be object 0 if numbers had never been lost."""
     return round((anchor.origin + began) / cell.layout.spacing) - anchor.first
