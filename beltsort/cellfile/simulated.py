@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice, repeat
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from beltsort.cellfile.description import CellDescription
 from beltsort.cellfile.moving import Moving
@@ -20,7 +20,7 @@ from beltsort.util.naming import nearest_of
 from beltsort.util.randomness import generator
 
 with extra("cell"):
-    from pydantic import NonNegativeInt
+    from pydantic import Field, FiniteFloat, NonNegativeInt
 
 if TYPE_CHECKING:
     from beltsort.cellfile.following_cell import FollowingCell
@@ -46,6 +46,11 @@ class SimulatedOptions:
         all classes.
     seed
         Seed of the classes, of the objects' shapes and poses, and of the noise.
+    empty
+        Share of empty cups among those that are drawn.
+    pitch_jitter
+        Standard deviation of each cup's place about its regular one on a belt that never stops, metres; see
+        `beltsort.sim.BeltDrive`.
     meshes
         Mesh files by class, one or several, instead of the built-in shapes; relative paths are relative to
         the cell file.
@@ -54,6 +59,8 @@ class SimulatedOptions:
     true_labels: tuple[str, ...] = ()
     draw_from: tuple[str, ...] = ()
     seed: NonNegativeInt = 0
+    empty: Annotated[FiniteFloat, Field(ge=0.0, le=1.0)] = 0.0
+    pitch_jitter: Annotated[FiniteFloat, Field(ge=0.0)] = 0.0
     meshes: Mapping[str, str | tuple[str, ...]] = field(default_factory=dict)
 
 
@@ -67,6 +74,10 @@ def make(options: SimulatedOptions, cell: CellDescription) -> "SimulatedCell":
     """
     from beltsort.sim.cell import SimulatedCell
 
+    if options.pitch_jitter > 0.0:
+        raise CellFileError.of(
+            "pitch_jitter", f"is {options.pitch_jitter:g}, expected 0 for a belt that stops: leave it out"
+        )
     config = config_of(cell, options)
     labels = true_labels(options, cell)
     number = 0 if cell.objects is None else max(cell.objects, len(options.true_labels))
@@ -96,12 +107,12 @@ def make_moving(
 
     config = replace(config_of(cell, options), move_seconds=moving.times.move)
     labels, seed = true_labels(options, cell), options.seed
+    drive = BeltDrive(moving.speed(cell.belt.spacing), options.pitch_jitter, exposure=moving.exposure)
     others = not_simulated(cell)
     if not others:
-        machine = diverters(moving.speed(cell.belt.spacing), len(cell.bin_names))
-        return SimulatedDivertingCell(labels, machine, config, seed, moving.exposure)
+        machine = diverters(drive.belt_speed, len(cell.bin_names))
+        return SimulatedDivertingCell(labels, machine, drive, config, seed)
     if others == [TABLES[DIVERTER]]:
-        drive = BeltDrive(belt_speed=moving.speed(cell.belt.spacing), exposure=moving.exposure)
         return FollowingCell((), drive, config, seed, further=labels)
     raise CellFileError.of(
         "",
@@ -190,7 +201,10 @@ def true_labels(options: SimulatedOptions, cell: CellDescription) -> Iterator[in
         return chain(given, repeat(None))
     choice = [cell.classes.index(name) for name in options.draw_from or cell.classes]
     rng = generator(options.seed, LABEL_STREAM)
-    return (choice[rng.integers(len(choice))] for _ in repeat(None))
+    drawn = (choice[rng.integers(len(choice))] for _ in repeat(None))
+    if options.empty == 0.0:
+        return drawn
+    return (None if rng.random() < options.empty else label for label in drawn)
 
 
 def _made(

@@ -1,6 +1,7 @@
 """The simulated cell whose belt never stops, and its controller, without a network."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from beltsort.cell.commands import TIMEOUT
 from beltsort.cell.diverting import BeltReading, Diversion, DiversionStatus
@@ -133,23 +134,23 @@ class SimulatedDivertingCell(MovingCell):
         Class index of each object, None for an empty cup, without end.
     machine
         Belt and diverters.
+    drive
+        Places of cups and exposure; its speed is the machine's.
     config
         Configuration of the cell.
     seed
         Seed of the objects and of the noise.
-    exposure
-        Time in which the camera reads its rows, seconds.
     """
 
     def __init__(
         self,
         labels: Iterator[int | None],
         machine: DivertingMachine,
+        drive: BeltDrive,
         config: CellConfig,
         seed: int,
-        exposure: float,
     ) -> None:
-        drive = BeltDrive(belt_speed=machine.speed * MICRO, exposure=exposure)
+        drive = replace(drive, belt_speed=machine.speed * MICRO)
         super().__init__((), drive, config, seed, further=labels)
         self.diverters = SimulatedDiverters(self, machine)
 

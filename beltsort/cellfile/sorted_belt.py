@@ -16,6 +16,7 @@ from beltsort.cellfile.moving_run import MovingRun
 from beltsort.cellfile.problems import CellFileError
 from beltsort.cellfile.results import confusion_of_moving
 from beltsort.cellfile.roles import TABLES
+from beltsort.cellfile.sections import DeviceSection
 from beltsort.cellfile.simulated import NAME, config_of_cell, not_simulated, options_of_cell, true_labels
 from beltsort.perception import Classifier, perception_for
 from beltsort.planning.bins import Counts
@@ -118,6 +119,17 @@ def belt_and_policy(
     return belt, named_moving_policy(name, belt, description.path(""))[1]
 
 
+def seeded(description: CellDescription, objects: int, seed: int) -> CellDescription:
+    """Return the cell file of a simulated cell with a number of objects and a seed."""
+
+    def device(role: str) -> DeviceSection:
+        section = description.device(role)
+        return section.model_copy(update={"options": {**section.options, "seed": seed}})
+
+    devices = {TABLES[role]: device(role) for role in description.roles}
+    return description.model_copy(update={"objects": objects, **devices})
+
+
 def sort_belt(work: SimulatedBelt) -> SortedBelt:
     """Sort a belt: as `beltsort run` does, or with stop-and-go on one that stands while the camera looks."""
     belt, policy = belt_and_policy(work.description, work.policy, work.model)
@@ -128,7 +140,7 @@ def sort_belt(work: SimulatedBelt) -> SortedBelt:
 
 
 def _sort_moving(work: SimulatedBelt, belt: MovingBelt, policy: MovingPolicy, folder: Path) -> SortedBelt:
-    description = _prepared(work)
+    description = seeded(work.description, work.objects, work.seed)
     cell = compose_moving(description, live=False, say=print)
     report = MovingRun(description, cell, belt, work.classifier, policy, work.policy, folder).sort()
     lattice = moving_state_in(folder / JOURNAL).lattice
@@ -136,20 +148,6 @@ def _sort_moving(work: SimulatedBelt, belt: MovingBelt, policy: MovingPolicy, fo
     true = [cell.true_class_at(lattice.coordinate(number)) for number in range(work.objects)]
     place = (belt.ticks_per_place or 1) * (belt.seconds_per_tick or 1.0)
     return _counted(work, folder, confusion_of_moving(report), true, work.objects * place)
-
-
-def _prepared(work: SimulatedBelt) -> CellDescription:
-    """Return the cell file with the number of objects and the seed of a belt."""
-    description = work.description
-
-    def seeded(role: str) -> object:
-        device = description.device(role)
-        return device.model_copy(update={"options": {**device.options, "seed": work.seed}})
-
-    devices = {role: seeded(role) for role in description.roles}
-    return description.model_copy(
-        update={"objects": work.objects, **{TABLES[role]: device for role, device in devices.items()}}
-    )
 
 
 def _sort_standing(work: SimulatedBelt, belt: MovingBelt, policy: Policy, folder: Path) -> SortedBelt:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import beltsort
@@ -14,7 +15,7 @@ from beltsort.cellfile.following_cell import FollowingCell
 from beltsort.cellfile.ingredients import moving_policy_of
 from beltsort.cellfile.moving import moving_policy
 from beltsort.cellfile.problems import CellFileError
-from beltsort.sim import BeltDrive
+from beltsort.sim import BeltDrive, MovingCell
 from beltsort.sorting.command import Command
 from tests.cellfile import cell_files
 
@@ -153,3 +154,34 @@ def test_the_belt_gets_the_numbers_of_the_cell_files_bins(tmp_path: Path) -> Non
     assert cell.belt.diversion("b", boot_id=reading.boot_id).state is Diversion.NOT_DONE
     with pytest.raises(beltsort.BeltsortError, match="label is 4"):
         cell.belt.divert("c", number=1, coordinate=0.4, label=4, boot_id=reading.boot_id)
+
+
+def test_simulated_cups_may_be_empty_and_stand_irregularly(tmp_path: Path) -> None:
+    options = ("seed = 0", "seed = 0\nempty = 0.4\npitch_jitter = 0.008")
+    made: list[object] = []
+    description = CellDescription.load(changed(tmp_path, options))
+    cell = compose_moving(description, live=False, say=print, made=made.append)
+    (world,) = made
+    assert isinstance(world, MovingCell)
+    off = [world.place(number, 0.0) - number * 0.18 for number in range(400)]
+    assert np.std(off) == pytest.approx(0.008, rel=0.2)
+    classes = [cell.true_class_at(number * 0.18) for number in range(400)]
+    assert classes.count(None) / 400 == pytest.approx(0.4, abs=0.1)
+    assert set(classes) == {None, 0, 1, 2, 3}
+
+
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [("empty = 1.5", r"empty: is 1\.5"), ("pitch_jitter = -1", r"pitch_jitter: is -1")],
+)
+def test_options_of_simulated_cups_are_checked(tmp_path: Path, option: str, told: str) -> None:
+    path = changed(tmp_path, ("seed = 0", f"seed = 0\n{option}"))
+    with pytest.raises(CellFileError, match=told):
+        composed(path)
+
+
+def test_cups_of_a_belt_that_stops_stand_regularly() -> None:
+    cell = CellDescription.load(EXAMPLE.with_name("simulated.toml"))
+    jitter = cell.model_copy(update={"backends": {"simulated": {"pitch_jitter": 0.01}}})
+    with pytest.raises(CellFileError, match=r"pitch_jitter: is 0\.01, expected 0 for a belt that stops"):
+        compose(jitter, live=False, say=print)

@@ -27,6 +27,9 @@ def test_the_simulated_belt_goes_on_with_the_same_objects(tmp_path: Path) -> Non
     assert set(unlimited) == {0, 1}
     given = described(tmp_path, UNLIMITED, (DRAWN, 'true_labels = ["mushroom", "-"]'))
     assert true_classes(given, 5) == [2, None, None, None, None]
+    some_empty = true_classes(described(tmp_path, UNLIMITED, (DRAWN, f"{DRAWN}\nempty = 0.5")), 200)
+    assert set(some_empty) == {None, 0, 1}
+    assert 70 < some_empty.count(None) < 130
 
 
 def test_objects_that_have_passed_are_forgotten(tmp_path: Path) -> None:

@@ -1,1 +1,0 @@
-"""Sorting from depth scans on a belt that never stops."""
