@@ -6,7 +6,6 @@ from pathlib import Path
 
 from beltsort import ArgumentError
 from beltsort.cli.arguments import MODEL_HELP, Subparsers, add_json, add_model, check_writable, load_model
-from beltsort.cli.console import RunConsole
 from beltsort.cli.output import print_json
 from beltsort.cli.progress import stage_progress, terminal_progress
 from beltsort.planning.named_moving_policy import HELP
@@ -153,6 +152,7 @@ def _of_cell(arguments: Namespace) -> Throughput:
     """
     from beltsort.cellfile.description import CellDescription
     from beltsort.cellfile.throughput import cell_throughput
+    from beltsort.cli.console import RunConsole
 
     if given := [f"--{name}" for name in OF_MODELS if getattr(arguments, name) not in (None, [])]:
         raise ArgumentError(

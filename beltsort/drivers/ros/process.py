@@ -135,10 +135,12 @@ class NodeProcess:
                 if future is not None:
                     future.set_result(Answer(values, data))
         except (EOFError, OSError):
+            # Closed first: who is told that the node has ended must not find it alive.
+            with self._sending:
+                self._connection.close()
             for future in list(self._waiting.values()):
                 if not future.done():
                     future.set_exception(EOFError("its process ended"))
-        self._connection.close()
 
     def _result(self, future: Future[Answer], timeout: float, what: str) -> Answer:
         wait([future], timeout)
