@@ -21,6 +21,8 @@ pytestmark = pytest.mark.process
 NUMBERS = count()
 NEAR = 0.6
 """Metres before the mark of an object that is diverted soon: a diversion has more than a second."""
+FARTHER = 3.0
+"""Metres before the mark of an object that is diverted after some faults."""
 FAR = 6.0
 """Metres before the mark of an object that is on its way for the whole test."""
 FAULTS = ("lose", "cut", "hang", "kill", "slow", "press", "fill")
@@ -145,12 +147,12 @@ def test_one_that_comes_too_late_is_told_and_never_diverted(belt: BeltBench) -> 
 
 
 def test_a_lost_reply_does_not_undo_the_diversion(belt: BeltBench) -> None:
-    command_id, order = new_id(), belt.order(FAR)
+    command_id, order = new_id(), belt.order(FARTHER)
     belt.device.reading()
     belt.suffers()
     belt.peer.push("lose")
     assert belt.tried(command_id, order, timeout=1.5) in (Diversion.QUEUED, Diversion.UNKNOWN)
-    assert belt.divert(command_id, order).state is Diversion.QUEUED
+    assert belt.divert(command_id, order).state in (Diversion.QUEUED, Diversion.DONE)
     assert belt.settled(command_id, order["boot_id"]) is Diversion.DONE
     belt.check(order, (0, "DONE"))
 
@@ -167,7 +169,7 @@ def test_the_queue_is_carried_out_while_the_client_is_away(belt: BeltBench) -> N
 
 
 def test_a_connection_that_was_dropped_is_replaced(belt: BeltBench) -> None:
-    command_id, order = belt.queued(FAR)
+    command_id, order = belt.queued(FARTHER)
     kept = (Diversion.QUEUED, Diversion.DONE)
     for _ in range(3):
         belt.suffers()
@@ -218,7 +220,7 @@ def test_after_a_restart_nothing_is_done_that_was_queued_before(belt: BeltBench)
 
 
 def test_a_controller_that_hangs_is_told_and_what_it_did_is_the_truth(belt: BeltBench) -> None:
-    command_id, order = belt.queued(FAR)
+    command_id, order = belt.queued(FARTHER)
     late, other = new_id(), belt.order(FAR)
     belt.suffers()
     belt.peer.hang()
