@@ -1,6 +1,7 @@
 """Decisions: the bin that earns most, and whether a bin is right."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import islice
 from math import fsum
 
 import numpy as np
@@ -67,6 +68,31 @@ def right_bins(model: SortingModel) -> NDArray[np.bool_]:
 def probability_right(belief: Belief, bin: int, position: int = 0) -> float:
     """Return the probability that a bin is right for the object at a position."""
     return float(belief.probabilities[position][right_bins(belief.model)[bin]].sum())
+
+
+def class_probabilities(model: SortingModel, kinds: Iterable[float]) -> list[float]:
+    """Return the probability of each class of an object: the sum over the modes of the class.
+
+    Parameters
+    ----------
+    model
+        The model, with L classes and N kinds.
+    kinds
+        N probabilities, one per kind, as a row of `Belief.kinds`.
+
+    Returns
+    -------
+    list of float
+        L probabilities.
+
+    Examples
+    --------
+    >>> from beltsort.models import paper
+    >>> class_probabilities(paper(), [0.5, 0.25, 0.25, 0.0])  # one mode per class
+    [0.5, 0.25, 0.25, 0.0]
+    """
+    left = iter(kinds)
+    return [sum(islice(left, len(weights)), 0.0) for weights in model.modes]
 
 
 def likeliest_classes(probabilities: Sequence[float]) -> list[int]:

@@ -31,7 +31,13 @@ from beltsort.sorting.entries import (
 )
 from beltsort.sorting.holds import Way
 from beltsort.sorting.journal import Entry
-from beltsort.sorting.moving.entries import MovingContent, MovingResumed, MovingSnapshot, MovingStarted
+from beltsort.sorting.moving.entries import (
+    Looked,
+    MovingContent,
+    MovingResumed,
+    MovingSnapshot,
+    MovingStarted,
+)
 from beltsort.sorting.moving.entry_text import MovingFormatter
 from beltsort.sorting.rules import forced_in_words
 from beltsort.util.text import counted, position_number
@@ -197,8 +203,13 @@ class EntryFormatter:
         self.classes, self.viewpoints = model.classes, model.viewpoints
         self.labels, self.bins = model.labels, model.bins
 
-    def seen(self, scan: Scanned) -> list[str]:
-        """Return for each position the label that a scan gave, `?` for none, or why there is none."""
+    def seen(self, scan: Scanned | Looked) -> list[str]:
+        """Return the label that a scan gave at each position, `?` for none, or why there is none.
+
+        On a belt that never stops, return that of each object that it names.
+        """
+        if isinstance(scan, Looked):
+            return [self._moving.seen(each) for each in scan.seen]
         return [
             finding if finding != Finding.OBJECT else "?" if label is None else self.labels[label]
             for label, finding in zip(scan.labels, scan.findings, strict=True)

@@ -21,7 +21,7 @@ def model_of(entries: Sequence[Entry]) -> SortingModel:
     if isinstance(first.content, MovingContent):
         raise JournalError(
             "the run is of a belt that never stops, expected one of a belt that stops: read it with "
-            "`beltsort show` and `beltsort status`"
+            "`beltsort show`, `beltsort status` or `beltsort watch`"
         )
     if not isinstance(first.content, Started | Snapshot):
         raise JournalError(

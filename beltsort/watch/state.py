@@ -1,21 +1,22 @@
 """What the page shows, as plain data: a function of a run's history."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
+from typing import Any
 
 from beltsort import SortingModel
 from beltsort.cell.commands import AdvanceTo, MoveTo, SortInto
-from beltsort.errors import JournalError
-from beltsort.planning.bins import sorting_statistics
+from beltsort.planning.bins import Counts, sorting_statistics
 from beltsort.planning.decisions import right_bins
 from beltsort.planning.explanation import action_in_words
 from beltsort.sorting.audit import action_of
-from beltsort.sorting.entries import Planned, State
+from beltsort.sorting.entries import Chosen, Decided, Planned, State
 from beltsort.sorting.report import REJECTED, Decision, confusion
 from beltsort.sorting.run_state import Next
 from beltsort.sorting.settling import Question
-from beltsort.watch.history import Alarm, Moment, RunHistory, ScanMark, most_likely
+from beltsort.watch.base import Alarm, History
+from beltsort.watch.history import Moment, RunHistory, ScanMark, most_likely
 
 SHOWN_ALARMS = 50
 
@@ -32,6 +33,8 @@ class PositionView:
     """Probability that each bin is right; empty if bins are the classes."""
     looks: int
     seen: str
+    decided: str = ""
+    """On a belt that never stops, the bin into which the object is decided; empty while it is not."""
 
 
 @dataclass(frozen=True)
@@ -72,12 +75,17 @@ class TallyView:
     sorted: int
     skipped: int
     passed: int
-    forced: int
+    forced: int | None
+    """None on a belt that never stops, where no rule decides."""
     right: int | None
     looks_per_object: float | None
     objects_per_minute: float | None
     seconds: float
     bins: list[BinView]
+    fates: dict[str, int] | None = None
+    """Objects by how they left a belt that never stops; None on others."""
+    uncounted: int = 0
+    """Most objects that may have passed without a number."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +96,9 @@ class MomentView:
     """The planner step before which this was; None for now."""
     time: str
     object: int
+    """Number of the object at the belt end."""
+    left: int
+    """Number of objects that have left the belt."""
     viewpoint: int
     positions: list[PositionView]
     plan: PlanView | None
@@ -109,7 +120,8 @@ class RunView:
     updated: str
     """Time of the last entry, UTC."""
     entry: int
-    first: int
+    moving: bool
+    """Whether the belt never stops."""
     objects: int | None
     first_step: int
     last_step: int
@@ -141,30 +153,18 @@ def state_of(
     JournalError
         If the step is not among those kept.
     """
-    progress, model, moments = history.progress, history.progress.model, history.moments
-    moment = moment_of(history, step)
-    updated = history.now().time
-    return RunView(
-        run=progress.run,
-        state=history.state.value,
-        reason=history.reason,
-        question=history.question,
-        ended=history.ended,
-        updated=updated,
-        entry=history.last_entry,
-        first=progress.first,
-        objects=progress.objects,
-        first_step=min(moments, default=0),
-        last_step=max(moments, default=0),
-        classes=model.classes,
-        bins=model.bins,
-        viewpoints=model.viewpoints,
-        alarms=list(history.alarms)[: -SHOWN_ALARMS - 1 : -1],
-        alarm_counts=dict(history.alarm_counts),
-        moment=MomentView(
+    progress = history.progress
+    moment = history.moment(step)
+    return run_view(
+        history,
+        progress.model,
+        progress.run,
+        progress.objects,
+        MomentView(
             step=step,
             time=moment.time,
             object=moment.index,
+            left=moment.index - progress.first,
             viewpoint=moment.viewpoint,
             positions=_positions(history, moment),
             plan=_plan(moment),
@@ -175,21 +175,51 @@ def state_of(
     )
 
 
-def moment_of(history: RunHistory, step: int | None) -> Moment:
-    """Return a run before a planner step, or as it is now.
+def run_view(
+    history: History[Any],
+    model: SortingModel,
+    run: str,
+    objects: int | None,
+    moment: MomentView,
+    *,
+    moving: bool = False,
+) -> RunView:
+    """Return what is to be shown of a run of either kind.
 
-    Raises
-    ------
-    JournalError
-        If the step is not among those kept.
+    Parameters
+    ----------
+    history
+        The run.
+    model
+        Its model.
+    run
+        Its name.
+    objects
+        Number of objects to sort; None: until it is told to stop.
+    moment
+        The run at the time that is shown.
+    moving
+        Whether the belt never stops.
     """
-    moments = history.moments
-    if step is None:
-        return history.now()
-    if step not in moments:
-        kept = f"steps {min(moments)} to {max(moments)}" if moments else "no steps"
-        raise JournalError(f"there is no step {step}; there are {kept}")
-    return moments[step]
+    return RunView(
+        run=run,
+        state=history.state.value,
+        reason=history.reason,
+        question=history.question,
+        ended=history.ended,
+        updated=history.time,
+        entry=history.last_entry,
+        moving=moving,
+        objects=objects,
+        first_step=min(history.moments, default=0),
+        last_step=max(history.moments, default=0),
+        classes=model.classes,
+        bins=model.bins,
+        viewpoints=model.viewpoints,
+        alarms=list(history.alarms)[: -SHOWN_ALARMS - 1 : -1],
+        alarm_counts=dict(history.alarm_counts),
+        moment=moment,
+    )
 
 
 def _positions(history: RunHistory, moment: Moment) -> list[PositionView]:
@@ -199,9 +229,9 @@ def _positions(history: RunHistory, moment: Moment) -> list[PositionView]:
     return [
         PositionView(
             object=moment.index + j if moment.index + j < end else None,
-            belief=[round(p, 4) for p in rows[j].tolist()],
+            belief=rounded(rows[j].tolist()),
             likely=most_likely(rows[j].tolist()),
-            bins=[round(p, 4) for p in bins[j].tolist()],
+            bins=rounded(bins[j].tolist()),
             looks=moment.looks[j],
             seen=moment.seen[j],
         )
@@ -209,18 +239,38 @@ def _positions(history: RunHistory, moment: Moment) -> list[PositionView]:
     ]
 
 
+def rounded(probabilities: Sequence[float]) -> list[float]:
+    """Return probabilities with as many digits as the page needs."""
+    return [round(p, 4) for p in probabilities]
+
+
 def _plan(moment: Moment) -> PlanView | None:
     step = moment.step
     if step is None:
         return None
-    values: list[ActionView] = []
-    if isinstance(step.choice, Planned):
-        ranked = sorted(step.choice.values, key=lambda action: -action["value"])
-        for action in ranked:
-            chosen = step.choice.action.items() <= action.items()
-            name = action_in_words(step.model, action_of(action))
-            values.append(ActionView(name, round(action["value"], 3), chosen))
+    values = action_views(step.choice, lambda action: action_in_words(step.model, action_of(action)))
     return PlanView(step.number, action_in_words(step.model, step.action), step.reason, values)
+
+
+def action_views(
+    choice: Planned | Chosen | Decided, name: Callable[[dict[str, Any]], str]
+) -> list[ActionView]:
+    """Return the actions that a planner has compared, the best first; none if another policy chose.
+
+    Parameters
+    ----------
+    choice
+        The choice of a step.
+    name
+        Returns the text of an action in the journal's format.
+    """
+    if not isinstance(choice, Planned):
+        return []
+    ranked = sorted(choice.values, key=lambda action: -action["value"])
+    return [
+        ActionView(name(action), round(action["value"], 3), choice.action.items() <= action.items())
+        for action in ranked
+    ]
 
 
 def _doing(history: RunHistory) -> str:
@@ -260,17 +310,31 @@ def _tally(history: RunHistory, moment: Moment, true: Mapping[int, int | None]) 
 
 def _bins(model: SortingModel, decisions: list[Decision], true: Mapping[int, int | None]) -> list[BinView]:
     """Return what each bin has received, the reject bin last if it has any."""
-    names = [*model.bins, REJECTED]
-    objects = [0] * len(names)
+    objects = [0] * (len(model.bins) + 1)
     for decision in decisions:
         objects[-1 if decision.label is None else decision.label] += 1
-    rights: list[int | None] = [None] * len(names)
-    purities: list[float | None] = [None] * len(names)
-    if true:
-        counts = confusion(((d.object, d.label) for d in decisions), true.get, model)
-        right = (counts * right_bins(model)).sum(axis=1).tolist()
-        for b, found in enumerate(sorting_statistics(model, counts).bins):
-            purity = found.purity.value
-            rights[b], purities[b] = int(right[b]), None if isnan(purity) else purity
-    views = [*map(BinView, names, objects, rights, purities)]
-    return views if objects[-1] else views[:-1]
+    counts = confusion(((d.object, d.label) for d in decisions), true.get, model) if true else None
+    views = bin_views(model, objects, counts)
+    return [*views, BinView(REJECTED, objects[-1], None, None)] if objects[-1] else views
+
+
+def bin_views(model: SortingModel, objects: Sequence[int], counts: Counts | None) -> list[BinView]:
+    """Return what each bin of the model has received.
+
+    Parameters
+    ----------
+    model
+        The model, with L classes and B bins.
+    objects
+        Number of objects in each bin.
+    counts
+        Objects by bin and true class, uint64 of shape (B, L); None where classes are not known.
+    """
+    if counts is None:
+        return [BinView(name, n, None, None) for name, n in zip(model.bins, objects, strict=False)]
+    right = (counts * right_bins(model)).sum(axis=1).tolist()
+    purities = [found.purity.value for found in sorting_statistics(model, counts).bins]
+    return [
+        BinView(name, objects[b], int(right[b]), None if isnan(purities[b]) else purities[b])
+        for b, name in enumerate(model.bins)
+    ]

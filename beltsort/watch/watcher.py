@@ -12,11 +12,13 @@ from beltsort.planning.explanation import explain
 from beltsort.sorting.holds import Answer, Reply
 from beltsort.sorting.journal import entries_after, read_journal
 from beltsort.sorting.kept_scans import SCANS, KeptScan, kept_scans, scan_file
+from beltsort.sorting.moving.entries import MovingSnapshot, MovingStarted
 from beltsort.sorting.requests import Action, Request, is_token, read_request, takes_requests, write_request
 from beltsort.sorting.runs import journal_of, read_true_classes
 from beltsort.sorting.settling import settle
 from beltsort.watch.history import RunHistory
-from beltsort.watch.state import RunView, moment_of, state_of
+from beltsort.watch.moving import MovingHistory, moving_state_of
+from beltsort.watch.state import RunView, state_of
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,9 @@ class Watcher:
         self.folder = self.journal.parent
         self._lock = threading.Lock()
         entries = read_journal(self.journal)
-        self._history = RunHistory(entries[0])
+        first = entries[0]
+        moving = isinstance(first.content, MovingStarted | MovingSnapshot)
+        self._history: RunHistory | MovingHistory = MovingHistory(first) if moving else RunHistory(first)
         self._history.read(entries)
         self._true = read_true_classes(self.folder)
         self._explained = lru_cache(maxsize=256)(self._explain)
@@ -110,7 +114,11 @@ class Watcher:
         """
         with self._lock:
             self._history.read(entries_after(self.journal, self._history.last_entry))
-            run = state_of(self._history, step, self._true)
+            match self._history:
+                case MovingHistory() as history:
+                    run = moving_state_of(history, step)
+                case history:
+                    run = state_of(history, step, self._true)
         scan, kept = run.moment.scan, kept_scans(self.folder)
         return Watched(
             run,
@@ -126,7 +134,7 @@ class Watcher:
         Raises
         ------
         JournalError
-            If there is no such step.
+            If there is no such step, or the belt never stops.
         """
         return self._explained(step)
 
@@ -139,7 +147,7 @@ class Watcher:
             If the run keeps no scan, or there is no such step.
         """
         with self._lock:
-            scan = moment_of(self._history, step).scan
+            scan = self._history.moment(step).scan
         kept = kept_scans(self.folder)
         if not kept:
             raise JournalError(f"{self.folder / SCANS} is empty: this run has kept no scan yet")
@@ -180,6 +188,11 @@ class Watcher:
 
     def _explain(self, number: int) -> str:
         with self._lock:
+            if isinstance(self._history, MovingHistory):
+                raise JournalError(
+                    "the belt never stops, expected one that stops: steps of this run cannot be planned "
+                    "again, see the values of their actions"
+                )
             moment = self._history.moments.get(number)
         if moment is None or moment.step is None:
             raise JournalError(f"there is no step {number}, or it is no longer kept")

@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -21,11 +22,13 @@ from beltsort.sorting.holds import Answer, HeldError
 from beltsort.sorting.journal import entries_after
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.kept_scans import kept_scans, scan_file
+from beltsort.sorting.moving.entries import Fate
 from beltsort.sorting.progress import Progress
 from beltsort.sorting.record import progress_in
 from beltsort.sorting.requests import TOKEN, read_request, read_token, taking_requests
 from beltsort.watch import Watcher, WatchServer
 from tests.cli.running import command
+from tests.sorting.moving.runs import BELT, plant, sort
 from tests.sorting.test_recovery import PAPER, Controller, begin
 from tests.watch.runs import TRUE, sort_bulbs
 
@@ -158,6 +161,49 @@ def test_four_positions_and_their_bins(four: Path, browser: Browser) -> None:
             "→ round",
         ]
         assert page.locator("#bins td:first-child").all_inner_texts()[:3] == ["long", "round", "by hand"]
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_a_belt_that_never_stops(tmp_path: Path, browser: Browser, width: int) -> None:
+    sort(tmp_path, plant())
+    watcher = Watcher(tmp_path)
+    last = watcher.state().run.last_step
+    with WatchServer(watcher) as server, opened(browser, server.url) as page:
+        page.set_viewport_size({"width": width, "height": 800})
+        expect(page.locator("#state")).to_have_text("Complete")
+        expect(page.locator("#progress")).to_contain_text("12 of 12 objects")
+        expect(page.locator("#step")).to_have_text(f"now, {last} steps")
+        expect(page.locator("#scene-note")).to_have_text("the run has kept no scan yet")
+        for step in (1, last // 2, last):
+            to_step(page, step)
+            moment = watcher.state(step).run.moment
+            for row, position in zip(beliefs(page), moment.positions, strict=True):
+                assert [float(p) for p in row] == pytest.approx(position.belief, abs=0.0051)
+            expect(page.locator(".position h3").first).to_have_text(f"object {moment.object} exit")
+            decided = [f"decided: {each.decided}" for each in moment.positions if each.decided]
+            assert page.locator(".decided").all_inner_texts() == decided
+            assert page.locator("#values .chosen").count() == 1
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
+            where = BELT.model.viewpoints[moment.viewpoint]
+            expect(page.locator("#plan-note")).to_have_text(f"step {step}, camera at {where}")
+        expect(page.locator("#explanation")).to_be_hidden()
+
+
+def test_how_objects_have_left_a_belt_that_never_stops(tmp_path: Path, browser: Browser) -> None:
+    cell = plant(objects=20)
+    checks = count()
+
+    def check() -> None:
+        if next(checks) == 50:
+            cell.belt.restart()
+
+    lost = sort(tmp_path, cell, check=check).fates[Fate.LOST]
+    assert lost > 0
+    with WatchServer(Watcher(tmp_path)) as server, opened(browser, server.url) as page:
+        expect(page.locator("#figures div", has_text="lost")).to_have_text(f"lost{lost}")
+        assert page.locator("#figures dt", has_text="forced").count() == 0
+        expect(page.locator("#alarms-note")).to_contain_text("1 restart")
+        expect(page.locator("#alarms-note")).to_contain_text(f"{lost} lost")
 
 
 def drawn(page: Page, canvas: str) -> str:

@@ -12,12 +12,11 @@ The controller executes an id at most once: a diversion may be sent again while 
 
 import logging
 from functools import partial
-from itertools import islice
 
 from beltsort.cell import CommandError, EmergencyStopError, Outcome
 from beltsort.cell.bins import bin_of
 from beltsort.cell.diverting import Diversion, DiversionStatus, DivertingCell, KnowsClassesAt
-from beltsort.planning.decisions import right_bins
+from beltsort.planning.decisions import class_probabilities, right_bins
 from beltsort.sorting.moving.entries import BeltObject, DiversionTold, Diverting, Fate, FoundEmpty, ObjectLeft
 from beltsort.sorting.moving.record import MovingRecord, Patience
 from beltsort.sorting.moving.state import final_fate
@@ -55,9 +54,8 @@ class Diverter:
         """
         state, model = self._record.state, self._record.state.belt.model
         known = state.known(number)
-        probability = float(
-            sum(p for p, right in zip(self._classes(known), self._right[bin], strict=True) if right)
-        )
+        classes = class_probabilities(model, known.kinds)
+        probability = float(sum(p for p, right in zip(classes, self._right[bin], strict=True) if right))
         if model.bins[bin] == model.empty:
             self._record(FoundEmpty(number, probability, known.looks))
             return
@@ -116,11 +114,6 @@ class Diverter:
                 if told is None or not told.final:
                     told = self._ask(number, known)
                 self._record(ObjectLeft(number, final_fate(told), "the belt's controller was restarted"))
-
-    def _classes(self, known: BeltObject) -> list[float]:
-        """Return the class probabilities of an object, length L."""
-        kinds = iter(known.kinds)
-        return [sum(islice(kinds, len(weights))) for weights in self._record.state.belt.model.modes]
 
     def _send(self, number: int) -> None:
         """Send the diversion of an object, perhaps again, and journal what the controller says."""

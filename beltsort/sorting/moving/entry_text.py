@@ -1,7 +1,8 @@
 """Entries of a run on a belt that never stops as text, one line each."""
 
 from beltsort import MovingBelt, SortingModel
-from beltsort.planning.decisions import likeliest_in_words
+from beltsort.perception import Finding
+from beltsort.planning.decisions import class_probabilities, likeliest_in_words
 from beltsort.sorting.moving.entries import (
     Anchored,
     DiversionTold,
@@ -86,8 +87,13 @@ class MovingFormatter:
     def _seen(self, seen: SeenObject) -> str:
         model = self.model
         if seen.label is None:
-            return f"object {seen.number} {'?' if seen.finding == 'object' else seen.finding}"
-        kinds = iter(seen.kinds or ())
-        classes = [sum(next(kinds, 0.0) for _ in weights) for weights in model.modes]
+            return f"object {seen.number} {self.seen(seen)}"
+        classes = class_probabilities(model, seen.kinds or ())
         likely = f"{likeliest_in_words(classes, list(model.classes))} {max(classes):.2f}"
-        return f"object {seen.number} {model.labels[seen.label]} -> {likely}"
+        return f"object {seen.number} {self.seen(seen)} -> {likely}"
+
+    def seen(self, seen: SeenObject) -> str:
+        """Return the label that a scan gave an object, `?` for none, or why there is none."""
+        if seen.label is not None:
+            return self.model.labels[seen.label]
+        return "?" if seen.finding == Finding.OBJECT else seen.finding

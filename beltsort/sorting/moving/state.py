@@ -1,6 +1,7 @@
 """The state of a run on a belt that never stops, as a function of its journal."""
 
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import asdict, dataclass, field, replace
 
 from beltsort._core import MovingBelief, MovingBelt
@@ -252,6 +253,13 @@ class MovingState:
         """Raise `settled` over the objects that are decided."""
         while (known := self.on_belt.get(self.settled)) is not None and known.decided:
             self.settled += 1
+
+    def copy(self) -> "MovingState":
+        """Return a copy that further entries do not change."""
+        kept = copy(self)
+        kept.on_belt, kept.fates, kept.bins = dict(self.on_belt), dict(self.fates), list(self.bins)
+        kept.confusion = [list(row) for row in self.confusion]
+        return kept
 
     def snapshot(self) -> MovingSnapshot:
         """Return the state as an entry from which it is restored."""

@@ -59,14 +59,14 @@ function bar(name, share, number, className, colour) {
 const classColour = (index) => `var(--class-${index % 8})`;
 const clock = (time) => new Date(time).toLocaleTimeString([], { hour12: false });
 
-function showBelt({ classes, bins }, moment) {
+function showBelt({ classes, bins, moving }, moment) {
   const longest = Math.max(...classes.map((name) => name.length));
   byId("main").style.setProperty("--names", `${Math.min(16, Math.max(5, 0.58 * longest + 0.8))}em`);
   byId("main").classList.toggle("many", moment.positions.length > 2);
   byId("belt").replaceChildren(...moment.positions.map((position, j) => {
     const box = element("div", "", j ? "position" : "position end");
     const title = element("h3", position.object == null ? "no object " : `object ${position.object} `);
-    title.append(element("small", j ? `position ${j + 1}` : "belt end"));
+    title.append(element("small", j ? `position ${j + 1}` : moving ? "exit" : "belt end"));
     box.append(title);
     if (position.object == null) return box;
     const ranked = [...position.belief.keys()].sort((a, b) => position.belief[b] - position.belief[a]);
@@ -89,14 +89,16 @@ function showBelt({ classes, bins }, moment) {
       box.append(right);
     }
     const looks = position.looks === 1 ? "1 look" : `${position.looks} looks`;
-    box.append(element("div", position.looks ? `${looks}, last: ${position.seen || "-"}` : "not seen yet", "seen"));
+    const seen = position.looks || position.seen ? `${looks}, last: ${position.seen || "-"}` : "not seen yet";
+    box.append(element("div", seen, "seen"));
+    if (position.decided) box.append(element("div", `decided: ${position.decided}`, "decided"));
     return box;
   }));
 }
 
-function showPlan(moment) {
+function showPlan({ moving, viewpoints }, moment) {
   const { plan } = moment;
-  byId("plan-note").textContent = plan ? `step ${plan.step}` : "";
+  byId("plan-note").textContent = `${plan ? `step ${plan.step}, ` : ""}camera at ${viewpoints[moment.viewpoint]}`;
   byId("action").textContent = plan ? plan.action[0].toUpperCase() + plan.action.slice(1) : "No action yet";
   if (plan?.reason) byId("action").textContent += ` (${plan.reason})`;
   const values = plan?.values ?? [];
@@ -109,9 +111,11 @@ function showPlan(moment) {
     action.value.toFixed(2),
     action.chosen ? "chosen" : "",
   )));
+  byId("values").classList.toggle("placed", moving); // actions name a position
+  byId("explanation").hidden = moving;
   byId("explanation").textContent = (plan && explanations.get(plan.step)) ?? "";
   clearTimeout(explaining);
-  if (plan && !plan.reason && !explanations.has(plan.step)) {
+  if (plan && !plan.reason && !moving && !explanations.has(plan.step)) {
     explaining = setTimeout(() => explain(plan.step), EXPLAIN_AFTER);
   }
 }
@@ -155,9 +159,11 @@ function showBins({ classes }, { tally }) {
     ["objects per minute", tally.objects_per_minute?.toFixed(1) ?? "-"],
     ["looks per object", tally.looks_per_object?.toFixed(1) ?? "-"],
     ["empty cups", tally.skipped],
-    ["forced decisions", tally.forced],
   ];
-  if (tally.passed) figures.push(["passed unsorted", tally.passed]);
+  if (tally.forced != null) figures.push(["forced decisions", tally.forced]);
+  if (tally.passed && !tally.fates) figures.push(["passed unsorted", tally.passed]);
+  figures.push(...Object.entries(tally.fates ?? {}).filter(([fate, n]) => n && !["in bin", "empty"].includes(fate)));
+  if (tally.uncounted) figures.push(["uncounted", `up to ${tally.uncounted}`]);
   byId("figures").replaceChildren(...figures.map(([name, value]) => {
     const group = element("div");
     group.append(element("dt", name), element("dd", value));
@@ -172,7 +178,7 @@ function showAlarms({ alarms, alarm_counts: counts }) {
   byId("alarm-count").hidden = total === 0;
   byId("alarms").replaceChildren(...alarms.map((alarm) => {
     const row = element("li");
-    const severe = ["emergency stop", "aborted", "held"].includes(alarm.kind);
+    const severe = ["emergency stop", "aborted", "held", "encoder"].includes(alarm.kind);
     row.append(element("time", clock(alarm.time)), element("b", alarm.kind, severe ? "bad" : ""), alarm.text);
     return row;
   }));
@@ -206,8 +212,7 @@ function showHeader({ run, takes_requests: takes, request }) {
   byId("state").textContent = running && silent > SILENT ? `Silent for ${Math.round(silent)} s` : run.state;
   byId("state").className = `state ${running && silent > SILENT ? "Held" : run.state}`;
   byId("doing").textContent = shown == null ? moment.doing : `as it was before step ${shown}, ${clock(moment.time)}`;
-  const past = moment.object - run.first;
-  const done = run.objects == null ? past : `${Math.min(run.objects, past)} of ${run.objects}`;
+  const done = run.objects == null ? moment.left : `${Math.min(run.objects, moment.left)} of ${run.objects}`;
   byId("progress").textContent = `${done} objects, run ${run.run}`;
   const asked = request?.action === "hold";
   const held = run.state === "Held" && run.ended == null;
@@ -270,7 +275,7 @@ function render() {
   showHeader(latest);
   showSteps(run);
   showBelt(run, run.moment);
-  showPlan(run.moment);
+  showPlan(run, run.moment);
   showBins(run, run.moment);
   showAlarms(run);
   showScene(run, run.moment);
