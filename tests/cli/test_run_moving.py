@@ -14,6 +14,7 @@ from beltsort.sorting.journal import entries_after, read_journal
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.moving.entries import Diverting, Fate, Looked, ObjectLeft
 from beltsort.sorting.requests import Request, read_token, write_request
+from beltsort.watch import Watcher
 from tests.cellfile.test_moving import changed
 from tests.cli.cells import PREPARE
 from tests.cli.running import result_of
@@ -71,7 +72,13 @@ def test_a_run_sorts_accounts_for_every_object_and_can_be_read(
         if isinstance(left, ObjectLeft) and left.fate is Fate.IN_BIN:
             assert f"object {left.number:>2}  in bin " in lines
 
-    for other in (["explain", "latest"], ["watch", "latest"], ["run", cell, "--resume", "latest"]):
+    watched = Watcher(run).state().run
+    assert (watched.state, watched.moment.left, watched.moment.tally.fates) == (
+        "Complete",
+        3,
+        result["fates"],
+    )
+    for other in (["explain", "latest"], ["run", cell, "--resume", "latest"]):
         assert main(other) == exit_codes.WRONG
         message = capsys.readouterr().err
         assert "belt that never stops" in message or "is finished" in message

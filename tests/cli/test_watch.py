@@ -18,6 +18,7 @@ from beltsort.sorting.journal import Journal
 from beltsort.sorting.loop import sort_objects
 from beltsort.sorting.requests import read_token, taking_requests
 from tests.cli.running import command
+from tests.sorting.moving.runs import plant, sort
 from tests.sorting.scripted_cell import LookOnce, ScriptedCell, scripted
 
 pytestmark = pytest.mark.process
@@ -48,6 +49,16 @@ def watching(folder: Path, *options: str) -> Iterator[tuple["subprocess.Popen[st
 def state_at(address: str) -> str:
     with urllib.request.urlopen(f"{address.partition('#')[0]}api/state", timeout=20) as answer:
         return str(json.load(answer)["run"]["state"])
+
+
+def test_a_run_on_a_belt_that_never_stops_is_watched_but_not_explained(tmp_path: Path) -> None:
+    sort(tmp_path, plant())
+    with watching(tmp_path) as (_process, address):
+        assert state_at(address) == "Complete"
+    refused = command("explain", str(tmp_path))
+    assert refused.returncode == WRONG
+    assert "of a belt that never stops" in refused.stderr
+    assert "`beltsort watch`" in refused.stderr
 
 
 def test_ctrl_c_closes_the_page(folder: Path) -> None:
