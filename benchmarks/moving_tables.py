@@ -4,7 +4,8 @@ Belts of the simulated cell, with irregular places and some empty cups, move und
 On half of them the classifier is trained, on the others the observation tables are estimated: with one mode
 per class, from the first look at each object at each place from each viewpoint, and with latent modes, which
 make repeated looks depend on each other. The folder then has the classifier, both models, and a cell file of
-each (`one_mode.toml`, `modes.toml`).
+each (`one_mode.toml`, `modes.toml`); and for stop-and-go one of the same cell with classifier and tables of
+belts that stand (`standing.toml`).
 """
 
 import argparse
@@ -35,6 +36,7 @@ from beltsort.perception import (
     describe,
 )
 from beltsort.perception.vfh import Histogram
+from beltsort.sim.prepare import prepare
 from beltsort.sorting.journal import Entry, Journal, read_journal
 from beltsort.sorting.journal_files import JOURNAL
 from beltsort.sorting.moving.entries import Looked
@@ -208,9 +210,10 @@ def main() -> None:
     folder: Path = given.output
     folder.mkdir(parents=True, exist_ok=True)
     classifier = folder / "classifier.npz"
-    cells = {name: folder / f"{name}.toml" for name in ("one_mode", "modes")}
+    cells = {name: folder / f"{name}.toml" for name in ("one_mode", "modes", "standing")}
     for name, path in cells.items():
-        path.write_text(cell_file(folder, classifier, folder / f"{name}.json"), "utf-8")
+        its = folder / "standing.npz" if name == "standing" else classifier
+        path.write_text(cell_file(folder, its, folder / f"{name}.json"), "utf-8")
     cell = cells["one_mode"]
     seeds = range(TRAINING_SEED, TRAINING_SEED + given.belts)
     descriptors, labels = zip(*in_processes(partial(described, cell), seeds, None, None), strict=True)
@@ -220,7 +223,11 @@ def main() -> None:
     trained.save(classifier)
     seeds = range(SURVEY_SEED, SURVEY_SEED + given.belts)
     objects = list(chain(*in_processes(partial(surveyed, cell, trained), seeds, None, None)))
-    for name, model in zip(cells, estimated(CellDescription.load(cell), objects), strict=True):
+    description = CellDescription.load(cell)
+    standing = prepare()
+    standing.database.save(folder / "standing.npz")
+    known = standing.counts.model(description.classes, description.viewpoint_names, r_min=R_MIN)
+    for name, model in zip(cells, (*estimated(description, objects), known), strict=True):
         model.save(folder / f"{name}.json")
 
 

@@ -16,7 +16,7 @@ def test_a_folder_has_what_its_cell_files_name(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(moving_tables, "OBJECTS", 4)
     monkeypatch.setattr(sys, "argv", ["moving_tables", "--belts", "1", "-o", str(tmp_path / "moving")])
     moving_tables.main()
-    for name, modes in (("one_mode", False), ("modes", True)):
+    for name, modes in (("one_mode", False), ("modes", True), ("standing", False)):
         cell = CellDescription.load(tmp_path / "moving" / f"{name}.toml")
         model, classifier = model_and_classifier(cell, None, None)
         assert (model.positions, model.r_min) == (2, 20)
