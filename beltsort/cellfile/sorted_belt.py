@@ -193,6 +193,7 @@ def _counted(
             case _:
                 pass
     classes = len(work.model.classes)
-    there = np.bincount([label for label in true if label is not None], minlength=classes).astype(np.uint64)
-    missed = there - confusion.sum(axis=0)
+    there = np.bincount([label for label in true if label is not None], minlength=classes)
+    # At least 0 also where tracking has confused an object with one that is not among these.
+    missed = np.maximum(0, there - confusion.sum(axis=0).astype(np.int64)).astype(np.uint64)
     return SortedBelt(confusion, missed, looks, motion_cost, seconds, tuple(plan_seconds))

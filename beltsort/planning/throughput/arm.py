@@ -38,9 +38,9 @@ class ArmTimes:
         ArgumentError
             For a time that is negative or not finite, or a tick of 0.
         """
-        moves = [self.move] if isinstance(self.move, float | int) else chain.from_iterable(self.move)
-        given = [*(("move", seconds) for seconds in moves), *list(vars(self).items())[1:]]
-        for name, seconds in given:
+        moves = [self.move] if isinstance(self.move, float | int) else list(chain.from_iterable(self.move))
+        given = {"move": moves, "scan": [self.scan], "sort": [self.sort], "tick": [self.tick]}
+        for name, seconds in ((name, seconds) for name, times in given.items() for seconds in times):
             if not math.isfinite(seconds) or seconds < 0 or (name == "tick" and seconds == 0):
                 raise ArgumentError(
                     f"{name} = {seconds} seconds, expected a finite time that is not negative, and a tick "
